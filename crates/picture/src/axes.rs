@@ -20,14 +20,14 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Place of a point in the picture. Halves are used so that the widest intervals do not overflow.
+    /// Place of a point in the picture. Halves prevent overflow in the widest intervals.
     pub fn at(&self, p: [f64; 2]) -> [f64; 2] {
         let share = |v: f64, [low, high]: [f64; 2]| (v / 2.0 - low / 2.0) / (high / 2.0 - low / 2.0);
         let (s, t) = (share(p[0], self.x), share(p[1], self.y));
         [self.frame.left + s * self.frame.width, self.frame.bottom() - t * self.frame.height]
     }
 
-    /// As many ticks as fit without their labels touching.
+    /// The largest number of ticks whose labels do not touch.
     fn x_ticks(&self) -> Ticks {
         let mut n = (self.frame.width / 75.0).max(2.0) as usize;
         loop {
@@ -67,8 +67,8 @@ impl Axes {
         }
     }
 
-    /// Draws frame, ticks, labels and titles; with `grid` light lines at the ticks, and no x labels if there is no
-    /// title for them. The y title stands at the left end of `left_margin`.
+    /// Draws frame, ticks, labels and titles; with `grid` light lines at the ticks. Without an x title there are no x
+    /// labels. The y title stands at the left end of `left_margin`.
     pub fn draw(&self, canvas: &mut Canvas, x_title: Option<&str>, y_title: &str, left_margin: f64, grid: bool) {
         let f = self.frame;
         let (x, y) = (self.x_ticks(), self.y_ticks());

@@ -11,19 +11,20 @@ pub(super) fn colour(k: usize) -> Color {
     Color::from(ColorMap::Viridis.map((k as f64 + 0.5) / BANDS as f64))
 }
 
-/// Values beyond this many times that of all but a few are those of singular points.
+/// Values beyond this many times the largest of the other values belong to singular points.
 const FAR_BEYOND: f64 = 4.0;
-/// The part of the values that are not few.
+/// The part of the weight that the other values have.
 const MOST: f64 = 0.98;
 
 /// Interval of the colours of a field over triangles, given by its values at the P points.
 ///
-/// Where values of 2 % of the area or less are far beyond all others, as at the tip of a crack, it ends at twice the others.
+/// If values on 2 % of the area or less are far beyond all others, as at the tip of a crack, the interval ends at twice
+/// the largest of the others.
 pub fn colour_interval(points: &[[f64; 2]], triangles: &[[usize; 3]], values: &[f64]) -> [f64; 2] {
     interval(&weighted(points, triangles, values))
 }
 
-/// Each of the values at P points with twice the area of the triangles around the point.
+/// The value at each of the P points with its weight, twice the area of the triangles around the point.
 pub(super) fn weighted(points: &[[f64; 2]], triangles: &[[usize; 3]], values: &[f64]) -> Vec<(f64, f64)> {
     let mut weighted: Vec<(f64, f64)> = values.iter().map(|&v| (v, 0.0)).collect();
     for t in triangles {
@@ -34,9 +35,9 @@ pub(super) fn weighted(points: &[[f64; 2]], triangles: &[[usize; 3]], values: &[
     weighted
 }
 
-/// Interval [low, high] of the colours of values with their weights: from 0 to the largest value, or from the smallest one if
-/// the values vary by more than 1e-3 but less than half of the largest. [0, 1] if there is no positive value. Where values of 2 % of the weight
-/// are far beyond all others, it ends at twice the others.
+/// Interval [low, high] of the colours of values with their weights: from 0 to the largest value, or from the smallest
+/// one if the values vary by more than 1e-3 but less than half of the largest. [0, 1] if there is no positive value. If
+/// values with 2 % of the weight or less are far beyond all others, it ends at twice the largest of the others.
 pub(super) fn interval(values: &[(f64, f64)]) -> [f64; 2] {
     let mut values: Vec<(f64, f64)> = values.iter().copied().filter(|(v, _)| v.is_finite()).collect();
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -61,14 +62,15 @@ pub(super) fn interval(values: &[(f64, f64)]) -> [f64; 2] {
     }
 }
 
-/// A value as it is interpolated: no farther from the interval than its length, so that infinite values do no harm.
+/// A value before interpolation: limited to a distance of one interval length from the interval, so that infinite
+/// values do no harm.
 pub fn limited(value: f64, [low, high]: [f64; 2]) -> f64 {
     value.clamp(2.0 * low - high, 2.0 * high - low)
 }
 
 /// The convex polygons in which the linear interpolant of the [`limited`] `values` lies in band k of `interval`, for each k.
 ///
-/// What lies outside the interval belongs to the bands at its ends; a triangle with a NaN is left out.
+/// Values outside the interval belong to the bands at its ends; a triangle with a NaN is left out.
 pub(super) fn bands(
     points: &[[f64; 2]],
     triangles: &[[usize; 3]],

@@ -21,13 +21,13 @@ const FILL: Color = Color::Rgb(0, 84, 147);
 /// Bars under one heading, one for each row.
 #[derive(Debug, Clone)]
 pub struct BarGroup {
-    /// What stands above.
+    /// Text above the bars.
     pub caption: String,
     /// Lengths ≥ 0; one that is not finite or negative has no bar.
     pub values: Vec<f64>,
 }
 
-/// A number beside a bar; what is rounding beside the greatest value is 0.
+/// The number beside a bar; values below 1e-12 of the greatest are rounding errors and become 0.
 fn number(value: f64, greatest: f64) -> String {
     short(if value > 1e-12 * greatest { value } else { 0.0 }, 2)
 }

@@ -8,13 +8,13 @@ use super::{Picture, PictureError};
 /// A basis function on a coarse cell of m × n fine cells, bilinear in each.
 #[derive(Debug, Clone, Copy)]
 pub struct BasisFunction<'a> {
-    /// What stands above both components, for instance the kind of boundary data.
+    /// Text above both components, for instance the kind of boundary data.
     pub name: &'a str,
     /// Sides of the coarse cell, whose lower left corner is drawn at the origin.
     pub size: [f64; 2],
     /// Fine cells m, n along x and y.
     pub cells: [usize; 2],
-    /// Component x at the (m+1)·(n+1) nodes, that of node (i, j) at j·(m+1) + i.
+    /// Component x at the (m+1)·(n+1) nodes; node (i, j) has the index j·(m+1) + i.
     pub x: &'a [f64],
     /// Component y, likewise.
     pub y: &'a [f64],
@@ -22,8 +22,8 @@ pub struct BasisFunction<'a> {
 
 /// Draws the components of functions side by side, a row for each function and colours of its own for each component.
 ///
-/// The colours run from the smallest value (0 if that is larger) to the largest; a component without a value of more than
-/// 1e-12 of the other's largest counts as 0.
+/// The colours run to the largest value, from the smallest value if it is negative or if the values vary by less than
+/// half of the largest, else from 0. A component whose values are all below 1e-12 of the other's largest counts as 0.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -55,7 +55,7 @@ fn components<'a>(function: &'a BasisFunction<'a>) -> [FieldPanel<'a>; 2] {
     })
 }
 
-/// The interpolant at the middle of a pixel, rows counted from the bottom.
+/// The interpolant at the middle of a pixel; rows are counted from the bottom.
 fn bilinear(cells: [usize; 2], values: &[f64], pixels: [usize; 2], at: [usize; 2]) -> f64 {
     let [(i, s), (j, t)] = [0, 1].map(|k| {
         let place = (at[k] as f64 + 0.5) / pixels[k] as f64 * cells[k] as f64;

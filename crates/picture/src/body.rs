@@ -31,7 +31,7 @@ pub struct Obstacle<'a> {
     pub gap: &'a [[f64; 2]],
 }
 
-/// What is drawn: P points, T triangles, in the units of the scene.
+/// A body to draw: P points, T triangles, in the units of the scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Body<'a> {
     /// Title, broken into at most three lines.
@@ -40,18 +40,18 @@ pub struct Body<'a> {
     pub points: &'a [[f64; 2]],
     /// Displacements (P).
     pub displacement: &'a [[f64; 2]],
-    /// Largest displacement that is known, which may be between the points.
+    /// Largest known displacement, which may lie between the points.
     pub largest: f64,
     /// Triangles (T).
     pub triangles: &'a [[usize; 3]],
-    /// What colours the body at the points (P). A triangle with a NaN stays white; an infinite value has the colour of the
-    /// largest finite one.
+    /// Values at the points (P) that colour the body. A triangle with a NaN stays white; an infinite value has the
+    /// colour of the largest finite one.
     pub values: &'a [f64],
-    /// Points at which they are infinite, whatever the values there.
+    /// Points at which the field is infinite, whatever `values` has there.
     pub infinite: &'a [[f64; 2]],
-    /// What they are: "von Mises stress".
+    /// Label of the values: "von Mises stress".
     pub label: &'a str,
-    /// What they are numbers of: "stress".
+    /// Noun for the values in a sentence: "stress".
     pub noun: &'a str,
     /// Values of the outer colours.
     pub colours: Colours,
@@ -63,7 +63,7 @@ pub struct Body<'a> {
     pub window: Option<[[f64; 2]; 2]>,
     /// The largest factor k.
     pub most: Largest,
-    /// Factor k > 0 of displacements and gaps; None for one that makes them visible.
+    /// Factor k > 0 of displacements and gaps; None chooses one that makes them visible.
     pub enlarge: Option<f64>,
     /// Names of the units of lengths, and of the values.
     pub units: [Option<&'a str>; 2],
@@ -85,11 +85,12 @@ impl Largest {
 
 /// Draws the body with equal scales in x and y.
 ///
-/// Displacements and gaps are drawn at one factor k, so that body and obstacle touch in the picture where they touch
-/// in truth, unless it is given: 1 where the largest displacement is between 0.05 and 0.5 of the body's longer side, else the largest of
-/// 1, 2, 5 times a power of ten that brings it to at most 0.1, or less as `most` says. The subtitle states k. An obstacle further away than a
-/// quarter of the body is cut off at the frame. Where a few values are far beyond the others, or beyond the colours that
-/// are asked for, the colours end in an arrow, and the outermost value is told with its place before the deformation.
+/// Displacements and gaps are drawn at one factor k, so that body and obstacle touch in the picture where they touch in
+/// truth. Unless k is given, it is 1 if the largest displacement is between 0.05 and 0.5 of the longer side of the body
+/// (or of the window), else the largest of 1, 2, 5 times a power of ten that brings it to at most 0.1, or less if
+/// `most` is less. The subtitle states k. An obstacle further away than a quarter of the body is cut off at the frame.
+/// If a few values are far beyond the others, or beyond the given colours, the colours end in an arrow, and a line
+/// states the outermost value and its place before the deformation.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -166,7 +167,7 @@ fn draw(b: &Body<'_>, bounds: Bounds) -> Result<Picture, PictureError> {
     canvas.finish()
 }
 
-/// What is told where values are beyond an end of the colours: the outermost ones and their places.
+/// The line about values beyond an end of the colours: the outermost values and their places.
 fn outermost(b: &Body<'_>, [below, above]: [bool; 2], infinite: &[&[f64; 2]]) -> Option<String> {
     let all = || b.points.iter().zip(b.values).filter(|(_, v)| !v.is_nan());
     let smallest = all().min_by(|a, b| a.1.total_cmp(b.1)).filter(|_| below);
@@ -224,7 +225,7 @@ pub(super) fn undeformed_pen() -> Pen {
     Pen::dashed(GREY, 1.1, 6.0, 4.0)
 }
 
-/// What is said of the factor, which may be less than wanted, and of the largest displacement.
+/// The line about the factor, which may be less than wanted, and the largest displacement.
 fn subtitle(b: &Body<'_>, factor: f64, is_less: bool, largest: f64) -> String {
     let of = if b.window.is_some() { " of this part" } else { "" };
     let largest = format!("the largest displacement{of} is {}", with_unit(largest, b.units[0]));
@@ -261,7 +262,7 @@ impl Bounds {
     }
 }
 
-/// The part of the plane to show: body before and after, and as much of the obstacles as is near.
+/// The part of the plane to show: the undeformed and the deformed body, and the near part of the obstacles.
 pub(super) fn view(undeformed: Bounds, deformed: &[[f64; 2]], walls: &[Vec<[f64; 2]>]) -> Bounds {
     let body = Bounds::of(deformed.iter().chain([&undeformed.low, &undeformed.high]));
     let near = 0.25 * body.size();
@@ -347,7 +348,7 @@ pub(super) fn arrows(canvas: &mut Canvas, bar: Rect, [below, above]: [bool; 2]) 
     }
 }
 
-/// The colours from the bottom to the top of a box, and ticks at its right; gives where their labels end.
+/// The colours from the bottom to the top of a box, and ticks at its right; returns the right end of their labels.
 pub(super) fn colours(canvas: &mut Canvas, bar: Rect, [low, high]: [f64; 2], marks: &Ticks) -> f64 {
     let height = bar.height;
     for k in 0..BANDS {
@@ -368,7 +369,7 @@ pub(super) fn colours(canvas: &mut Canvas, bar: Rect, [low, high]: [f64; 2], mar
     r + 8.0 + widest
 }
 
-/// What the lines mean, in a row centred on a point.
+/// The key of the lines, in a row centred on a point.
 fn key(canvas: &mut Canvas, centre: [f64; 2], obstacle: bool) {
     let names = ["deformed", "undeformed", "obstacle"];
     let shown = &names[..if obstacle { 3 } else { 2 }];

@@ -1,4 +1,4 @@
-//! The list of shapes of a picture: thin words over kuva's scene, which both the SVG and the PNG are made from.
+//! The list of shapes of a picture: thin functions over kuva's scene, from which both SVG and PNG are made.
 
 use super::raster::Raster;
 use super::upright::upright;
@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 /// Width of every picture.
 pub(super) const WIDTH: f64 = 900.0;
 
-/// Pixels of the PNG to a unit of the frame.
+/// Pixels of the PNG per unit of the frame.
 pub(super) const PIXELS: f64 = 2.0;
 
 pub(super) const BLACK: Color = Color::Rgb(20, 20, 20);
@@ -42,7 +42,7 @@ impl Rect {
 const TITLE_TEXT: u32 = 19;
 const TITLE_LINE: f64 = 25.0;
 
-/// What stands above a picture, in at most three lines.
+/// The title above a picture, in at most three lines.
 pub(super) struct Title(Vec<String>);
 
 impl Title {
@@ -75,7 +75,7 @@ impl Pen {
 
 pub(super) struct Canvas {
     scene: Scene,
-    /// Elements of the SVG that stand for the rectangles of a raster, with their places among the shapes.
+    /// SVG elements that replace the rectangles of a raster, with their positions among the shapes.
     images: Vec<(usize, String)>,
 }
 
@@ -109,7 +109,7 @@ impl Canvas {
         self.lines(&[vec![a, b]], pen);
     }
 
-    /// Filled polygons of one colour, with a hair line of it that closes the gaps between neighbours.
+    /// Filled polygons of one colour, with a hairline of the same colour that closes the gaps between neighbours.
     pub fn fill(&mut self, polygons: &[Vec<[f64; 2]>], colour: Color) {
         let mut path = String::new();
         polygons.iter().for_each(|p| add_path(&mut path, p, true));
@@ -145,7 +145,7 @@ impl Canvas {
         self.scene.add(Primitive::Text { x, y, content, size, anchor, rotate, bold: false, color: Some(BLACK) });
     }
 
-    /// Pixels in a frame of their size, whose corner lies on one of the picture's own.
+    /// Pixels in a frame of their size, whose corner lies on a pixel of the picture.
     pub fn raster(&mut self, frame: Rect, raster: &Raster) -> Result<(), PictureError> {
         let (rectangles, element) = raster.drawn(frame)?;
         self.images.push((self.scene.elements.len(), element));
@@ -279,8 +279,8 @@ pub(super) fn text_width(text: &str, size: u32) -> f64 {
     f64::from(size) * text.chars().map(letter).sum::<f64>()
 }
 
-/// Breaks a text into at most `lines` lines of a width, at spaces where there are any; the last line ends with an
-/// ellipsis if the text is longer.
+/// Breaks a text into at most `lines` lines of a width, at spaces if possible; the last line ends with an ellipsis if
+/// the text is longer.
 pub(super) fn wrap(text: &str, size: u32, width: f64, lines: usize) -> Vec<String> {
     let room = (width / text_width("n", size)).floor().max(1.0) as usize;
     let mut result: Vec<String> = Vec::new();

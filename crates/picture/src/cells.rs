@@ -9,9 +9,9 @@ use super::{Picture, PictureError};
 /// One number in each of nx × ny equal rectangles.
 #[derive(Debug, Clone, Copy)]
 pub struct CellField<'a> {
-    /// What stands above the panel, for instance the name of a run; may be empty.
+    /// Text above the panel, for instance the name of a run; may be empty.
     pub caption: &'a str,
-    /// What the values are, with their unit.
+    /// Name of the values with their unit.
     pub label: &'a str,
     /// Name of the unit of lengths.
     pub length: Option<&'a str>,
@@ -21,7 +21,7 @@ pub struct CellField<'a> {
     pub spacing: [f64; 2],
     /// Cells nx, ny along x and y.
     pub cells: [usize; 2],
-    /// Values (nx·ny), that of cell (ix, iy) at ix·ny + iy; NaN where there is no cell.
+    /// Values (nx·ny); cell (ix, iy) has the index ix·ny + iy. NaN where there is no cell.
     pub values: &'a [f64],
     /// Values of the outer colours.
     pub colours: Colours,
@@ -30,15 +30,15 @@ pub struct CellField<'a> {
     pub coarse: &'a [[[f64; 2]; 2]],
 }
 
-/// Draws fields on grids with equal scales in x and y, below or beside each other, whichever draws them larger; with
-/// `shared` all are coloured alike, under the label of the first.
+/// Draws fields on grids with equal scales in x and y, below or beside each other, whichever draws them larger. With
+/// `shared` all have the same colours, with the label of the first.
 ///
-/// All panels show the part of the plane that contains every grid. Where cells are smaller than a pixel, a pixel has the mean
-/// of its cells (and none if most of them are NaN). The colours run from 0 to the largest value, from the smallest one if
-/// the values vary by less than half of the largest, or from the smallest one if it is negative, unless they are given. A body flatter than
-/// 1:1200 is drawn one pixel high.
+/// All panels show the part of the plane that contains every grid. Where cells are smaller than a pixel, a pixel has
+/// the mean of its cells (and none if most of them are NaN). Unless they are given, the colours run from 0 to the
+/// largest value, or from the smallest value if it is negative or if the values vary by less than half of the largest.
+/// A body flatter than 1:1200 is drawn one pixel high.
 ///
-/// A million cells take about a tenth of a second, and up to a second where no pixel is like the next.
+/// A million cells take about a tenth of a second, up to a second if neighbouring pixels all differ.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -70,7 +70,7 @@ fn panel<'a>(field: &'a CellField<'a>) -> FieldPanel<'a> {
     }
 }
 
-/// Mean over the cells of a pixel, rows counted from the bottom.
+/// Mean over the cells of a pixel; rows are counted from the bottom.
 fn mean(field: &CellField<'_>, size: [usize; 2], at: [usize; 2]) -> f64 {
     let [columns, rows] = [0, 1].map(|i| shown(at[i], size[i], field.cells[i]));
     let (mut sum, mut count, all) = (0.0, 0, columns.len() * rows.len());

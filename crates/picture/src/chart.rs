@@ -21,11 +21,11 @@ const SAMPLE: f64 = 40.0;
 /// A linear axis with a band ends at this many times the upper end of the band.
 const VIEW: f64 = 4.0;
 
-/// Points closer to each other than this are drawn as one, and the dashes on a curve beneath repeat after this length.
+/// Points closer to each other than `ONE` count as one; dashes over another curve repeat after the length `PERIOD`.
 const ONE: f64 = 3.0;
 const PERIOD: f64 = 16.0;
 
-/// What an axis shows and how.
+/// An axis: its label and its scale.
 #[derive(Debug, Clone, Copy)]
 pub struct Axis<'a> {
     /// Name with unit, for instance "degrees of freedom" or "time in s".
@@ -40,7 +40,7 @@ pub struct Curve<'a> {
     /// Points (x, y) (N), joined in this order. A point that the scales cannot show (not finite, or not positive on a
     /// logarithmic axis) is left out and breaks the curve.
     pub points: &'a [[f64; 2]],
-    /// Which points get an open marker (N), or no values if none does.
+    /// Whether each point has an open marker (N); empty if none has.
     pub flagged: &'a [bool],
 }
 
@@ -56,7 +56,7 @@ pub struct Series<'a> {
 /// A slope to compare with, drawn as a triangle where no curve is.
 #[derive(Debug, Clone, Copy)]
 pub struct Guide<'a> {
-    /// What the slope means, for instance "N^-1.5".
+    /// Label of the slope, for instance "N^-1.5".
     pub label: &'a str,
     /// dη/dξ with ξ = ln x, √x or x on a logarithmic, square-root or linear x axis, and η = ln y, √y or y.
     pub slope: f64,
@@ -78,14 +78,14 @@ pub struct Chart<'a> {
     pub title: &'a str,
     /// The cost.
     pub x: Axis<'a>,
-    /// The error, or what else is measured.
+    /// The error, or another measured quantity.
     pub y: Axis<'a>,
     /// Names of the quantities: the first has solid lines, the others dashes and smaller markers. Not in the key if
     /// there is only one.
     pub quantities: &'a [&'a str],
     /// The strategies, each with a colour and a marker of its own.
     pub series: &'a [Series<'a>],
-    /// What an open marker means, for instance "not reliable"; in the key if there is one.
+    /// Meaning of an open marker, for instance "not reliable"; it is in the key if there is an open marker.
     pub flag: &'a str,
     /// Slopes to compare with.
     pub guides: &'a [Guide<'a>],
@@ -95,10 +95,10 @@ pub struct Chart<'a> {
 
 /// Draws the curves, with the key right of the frame.
 ///
-/// A curve whose points are all those of earlier curves has dashes on top of them, and larger markers around theirs.
-/// A linear y axis contains zero; if there is a band too, it ends at four times the band's upper end, and a note below
-/// says how many points lie above. Notes also tell how many points had no place on the scales, and which slopes found
-/// no room.
+/// A curve whose points all coincide with points of an earlier curve is drawn as dashes on top of it, with larger
+/// markers around its markers. A linear y axis contains zero; if there is a band too, it ends at four times the band's
+/// upper end, and a note below says how many points lie above. Other notes say how many points the scales cannot show,
+/// and which slopes found no room.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -160,7 +160,7 @@ pub fn chart(c: &Chart<'_>) -> Result<Picture, PictureError> {
         canvas.lines(&clip(line, frame), &pen);
         for (i, &p) in line.iter().enumerate().filter(|(_, p)| shown(p) && p[1] >= frame.top) {
             let open = curve.flagged.get(i).copied().unwrap_or(false);
-            // an outline around the marker beneath; one in doubt is open there too
+            // an outline around the marker beneath; a flagged point has an open marker there too
             if beneath == 0 || open {
                 mark(&mut canvas, k, p, radius(j), colour(k), open);
             }
@@ -187,14 +187,14 @@ fn radius(quantity: usize) -> f64 {
     if quantity == 0 { 4.2 } else { 2.9 }
 }
 
-/// Whether each point that is shown of a line is one of another line.
+/// Whether each shown point of a line is also a point of another line.
 fn is_on(line: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
     let near = |p: &[f64; 2], q: &[f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]) < ONE;
     let mut shown = line.iter().filter(|p| p.iter().all(|v| v.is_finite())).peekable();
     shown.peek().is_some() && shown.all(|p| other.iter().any(|q| near(p, q)))
 }
 
-/// Dashes that leave visible what so many curves beneath them have.
+/// Dashes that leave the curves beneath visible; `beneath` is their number.
 fn on_top(colour: Color, beneath: usize) -> Pen {
     let dash = PERIOD * 0.5f64.powi(beneath.min(3) as i32);
     Pen::dashed(colour, 2.0, dash, PERIOD - dash)
@@ -214,7 +214,7 @@ fn shade(graph: &Graph, [low, high]: [f64; 2]) -> Vec<[f64; 2]> {
 /// The triangles of the slopes, and the labels of those that found no place.
 fn slopes<'a>(guides: &[Guide<'a>], graph: &Graph, lines: &[Vec<[f64; 2]>]) -> (Vec<Slope<'a>>, Vec<&'a str>) {
     let (f, axes) = (graph.axes.frame, &graph.axes);
-    // Coordinates are decimal logarithms, slopes are of natural ones.
+    // Coordinates are decimal logarithms; slopes refer to natural logarithms.
     let unit = |s: Scale| if s == Scale::Log { std::f64::consts::LN_10 } else { 1.0 };
     let pixels_x = f.width / (axes.x[1] - axes.x[0]) / unit(graph.x);
     let pixels_y = f.height / (axes.y[1] - axes.y[0]) / unit(graph.y);

@@ -1,22 +1,23 @@
-//! Which values have the outer colours of a field.
+//! Choice of the values of a field that have the outer colours.
 
 use super::bands::interval;
 
 /// The values of the outer colours.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Colours {
-    /// As the values need them; the picture says how.
+    /// Chosen from the values by the rule of the picture.
     #[default]
     Automatic,
-    /// From the smallest value or zero to the largest or zero, whichever are farther apart; where a few values are far beyond
-    /// the others of their sign, to twice these.
+    /// From the smallest value, or zero if that is smaller, to the largest, or zero if that is larger. If a few values
+    /// are far beyond the others of their sign, the colours end at twice the others.
     WithZero,
-    /// These, the smaller one first. Values beyond them have the colour of their end, where the bar has an arrow.
+    /// From the first to the second value, the smaller one first. Values beyond an end have its colour, and the bar has
+    /// an arrow there.
     Range([f64; 2]),
 }
 
 impl Colours {
-    /// The ends for values with their weights, `automatic` where nothing is said about them.
+    /// The ends for values with their weights; `automatic` computes those of [`Self::Automatic`].
     pub(super) fn ends(self, values: &[(f64, f64)], automatic: impl FnOnce(&[(f64, f64)]) -> [f64; 2]) -> [f64; 2] {
         match self {
             Self::Automatic => automatic(values),
@@ -26,7 +27,7 @@ impl Colours {
     }
 }
 
-/// The ends of colours between which zero lies.
+/// The ends of colours that contain zero.
 fn with_zero(values: &[(f64, f64)]) -> [f64; 2] {
     let end = |sign: f64| {
         let all = values.iter().map(|(v, weight)| (sign * v, *weight));

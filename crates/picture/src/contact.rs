@@ -15,17 +15,17 @@ const RIGHT: f64 = 30.0;
 const BLUE: Color = Color::Rgb(0, 84, 147);
 const RED: Color = Color::Rgb(178, 58, 20);
 
-/// More points than this on a curve are drawn without markers.
+/// A curve with more points than this has no markers.
 const MARKERS: usize = 80;
 
 /// A bound higher than this many times the largest shear leaves the panel, so that the shear can be read.
 const FAR_BOUND: f64 = 5.0;
 
-/// A contact that takes less than this part of its side is drawn with this part of its length on both sides.
+/// A contact shorter than the part `SMALL` of its side is shown with the part `BESIDE` of its length on both sides.
 const SMALL: f64 = 0.5;
 const BESIDE: f64 = 0.5;
 
-/// Tractions below this part of the largest are nothing.
+/// Tractions below this part of the largest count as zero.
 const NOTHING: f64 = 1e-9;
 
 /// Contact tractions at N points of one contact side, in the units of the scene. A value that is not finite is left
@@ -34,7 +34,7 @@ const NOTHING: f64 = 1e-9;
 pub struct ContactSide<'a> {
     /// Title, broken into at most three lines.
     pub title: &'a str,
-    /// What `position` is, for instance "x" or "arc length along floor".
+    /// Meaning of `position`, for instance "x" or "arc length along floor".
     pub x_label: &'a str,
     /// Name of the unit of tractions.
     pub stress: Option<&'a str>,
@@ -50,9 +50,10 @@ pub struct ContactSide<'a> {
 
 /// Draws the pressure above; shear and, dashed, ±F below. Both panels contain zero.
 ///
-/// Of a side that touches along less than half of its length only the contact and half of its length on both sides are shown.
-/// Tractions on 2 % of the length that are far beyond the others leave their panel, and the key has the largest.
-/// Where F is everywhere more than five times the largest shear it is cut off at the frame, and the key says so.
+/// If a side touches along less than half of its length, only the contact and half of the contact's length on both
+/// sides are shown. Tractions on up to 2 % of the length that are far beyond the others leave their panel, and the key
+/// states the largest. If F is everywhere more than five times the largest shear, it is cut off at the frame, and the
+/// key says so.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -128,7 +129,8 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
     canvas.finish()
 }
 
-/// The largest size of a curve, or what all but 2 % of its length have twice where that is far beyond it.
+/// The largest absolute value of a curve; if it is far beyond the values on 98 % of the length, twice the largest of
+/// these.
 fn usual(curve: &[[f64; 2]]) -> f64 {
     let length = |i: usize| {
         let known = |k: usize| curve.get(k).filter(|p| p[1].is_finite()).map_or(curve[i][0], |p| p[0]);
@@ -139,7 +141,7 @@ fn usual(curve: &[[f64; 2]]) -> f64 {
     if largest > 0.0 { bands::interval(&sizes)[1] } else { 0.0 }
 }
 
-/// The positions to show: those of the contact and its neighbourhood, or all.
+/// The interval of positions to show: the contact and its neighbourhood, or all.
 fn window(side: &ContactSide<'_>) -> [f64; 2] {
     let span = |among: &dyn Fn(usize) -> bool| {
         let start = [f64::INFINITY, f64::NEG_INFINITY];

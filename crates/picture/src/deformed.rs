@@ -6,16 +6,16 @@ use kuva::render::render::TextAnchor;
 use super::canvas::{BLACK, Canvas, GREY, Pen, Title, WIDTH};
 use super::{Picture, PictureError};
 
-/// Part of a side of a cell by which a displacement of 1 is drawn.
+/// A displacement of 1 is drawn as this part of a side of the cell.
 const FACTOR: f64 = 0.3;
-/// Lines along and across a cell at most, its sides apart.
+/// Largest number of lines in each direction inside a cell, its sides not counted.
 const LINES: usize = 7;
 /// Space between cells, and below a cell for its caption.
 const SPACE: f64 = 24.0;
 const CAPTION: f64 = 44.0;
 const CAPTION_TEXT: u32 = 13;
 
-/// Draws the lines of a coarse cell as each function displaces them, the cell itself dashed, in so many columns.
+/// Draws the lines of a coarse cell as each function displaces them, and the cell itself dashed, in `columns` columns.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -26,7 +26,7 @@ pub fn deformed_cells(title: &str, functions: &[BasisFunction<'_>], columns: usi
     assert!(columns > 0, "a column");
     let title = Title::new(title);
     let panel = (WIDTH - SPACE * (columns + 1) as f64) / columns as f64;
-    // a cell and its displacement on both sides
+    // a cell with room for its displacement on both sides
     let side = panel / (1.0 + 2.0 * FACTOR);
     let top = 40.0 + title.height();
     let row = panel + CAPTION;

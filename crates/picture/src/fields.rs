@@ -1,4 +1,4 @@
-//! Coloured rectangles of the plane in rows and columns: what pictures of cells and of basis functions share.
+//! Coloured rectangles of the plane in rows and columns: the common part of pictures of cells and of basis functions.
 
 use super::axes::{Axes, BELOW, TICK_TEXT};
 use super::bands::interval;
@@ -18,7 +18,7 @@ const LARGEST: f64 = 620.0;
 /// Smallest width and height of a frame, so that its ticks have room beside a very flat or tall body.
 const SMALLEST: [f64; 2] = [90.0, 64.0];
 
-/// Space right of a frame for a colour bar, and without one.
+/// Space right of a frame with a colour bar, and without one.
 const COLOURS: f64 = 110.0;
 const RIGHT: f64 = 22.0;
 
@@ -26,20 +26,20 @@ const RIGHT: f64 = 22.0;
 const LINE: f64 = 17.0;
 const BETWEEN: f64 = 20.0;
 
-/// Overlaid rectangles are left out where a side is shorter than this, or than the body over so many of them.
+/// An overlaid rectangle is left out if a side is shorter than `SHORTEST`, or than the body's side over `MOST_ALONG`.
 const SHORTEST: f64 = 3.0;
 const MOST_ALONG: f64 = 30.0;
 
-/// A body thinner than this has no outline, which would hide it.
+/// A body thinner than this has no outline, because the outline would hide it.
 const THIN: f64 = 5.0;
 
 const WHITE: Color = Color::Rgb(255, 255, 255);
 
 /// One coloured rectangle.
 pub(super) struct FieldPanel<'a> {
-    /// What stands above, before the label of the colours.
+    /// Text above the panel, before the label of the colours.
     pub caption: &'a str,
-    /// What the colours mean.
+    /// Label of the colours.
     pub label: &'a str,
     /// Name of the unit of lengths.
     pub length: Option<&'a str>,
@@ -49,13 +49,14 @@ pub(super) struct FieldPanel<'a> {
     pub ends: [f64; 2],
     /// Whether there are values below and above them.
     pub beyond: [bool; 2],
-    /// Its pixels for a number of them along x and y and the values of the outer colours.
+    /// Its pixels, from the numbers of pixels along x and y and the values of the outer colours.
     pub pixels: Box<dyn Fn([usize; 2], [f64; 2]) -> Raster + 'a>,
     /// Rectangles over it: lower left and upper right corners.
     pub overlay: &'a [[[f64; 2]; 2]],
 }
 
-/// Ends of the colours of values of either sign: as [`interval`], from the smallest to zero or above where one is negative.
+/// Ends of the colours of values of either sign: with a negative value, from the smallest value to the largest, at
+/// least to zero; else as [`interval`].
 pub(super) fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for v in values.filter(|v| v.is_finite()) {
@@ -64,8 +65,8 @@ pub(super) fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
     if low < 0.0 { [low, high.max(0.0)] } else { interval(&[(low, 1.0), (high, 1.0)]) }
 }
 
-/// Draws panels of one part of the plane row by row, in as many of the given columns as draw them largest. With `shared` all
-/// have the same colours, named once.
+/// Draws panels of one part of the plane row by row, with the number of columns in the given range that draws them
+/// largest. With `shared` all have the same colours, named once.
 pub(super) fn field_panels(
     title: &str,
     panels: &[FieldPanel<'_>],
@@ -115,12 +116,12 @@ pub(super) fn field_panels(
     canvas.finish()
 }
 
-/// Ticks at most of a colour bar.
+/// Largest number of ticks on a colour bar.
 fn marks_of(height: f64) -> usize {
     (height / 28.0).clamp(4.0, 10.0) as usize
 }
 
-/// A text in at most `lines` lines, with the power of ten of the ticks, which is kept however long the text is.
+/// A text in at most `lines` lines, with the power of ten of the ticks, which is never cut off.
 fn with_power(text: &str, marks: &Ticks, size: u32, width: f64, lines: usize) -> Vec<String> {
     let power = marks.title("");
     let mut result = wrap(text, size, width - text_width(&power, size), lines);
@@ -156,7 +157,7 @@ fn paint(
             lines.extend(clip(&[[l, b], [r, b], [r, t], [l, t], [l, b]], axes.frame));
         }
     }
-    // dark on a light ground, which is seen on every colour
+    // dark on a light ground, visible on every colour
     canvas.lines(&lines, &Pen::solid(WHITE, 1.8));
     canvas.lines(&lines, &Pen::solid(BLACK, 0.7));
     Ok(())
@@ -210,7 +211,7 @@ impl Plan {
         with_power(&text, &bar_ticks(ends[0], ends[1], marks_of(self.frame[1])), TICK_TEXT, room, 3)
     }
 
-    /// Frame and intervals of panel k, so that the corners of the part of the plane lie on pixels of the picture.
+    /// Frame and intervals of panel k; the corners of the part of the plane lie on pixels of the picture.
     fn axes(&self, view: &Bounds, k: usize, top: f64) -> Axes {
         let [width, height] = self.frame;
         let spare = (self.stride - self.left - self.right - width).max(0.0);

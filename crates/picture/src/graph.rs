@@ -21,7 +21,7 @@ pub enum Scale {
 }
 
 impl Scale {
-    /// The coordinate in which the axis is linear: v, log10 v or √v; NaN where there is none.
+    /// The coordinate in which the axis is linear: v, log10 v or √v; NaN if v has none.
     pub(super) fn of(self, v: f64) -> f64 {
         match self {
             _ if v.is_nan() || v.abs() > LARGEST => f64::NAN,
@@ -32,7 +32,7 @@ impl Scale {
         }
     }
 
-    /// Interval of coordinates that shows all of the given ones (the finite of them) with a margin.
+    /// Interval that contains all finite coordinates, with a margin.
     pub(super) fn interval(self, coordinates: impl Iterator<Item = f64>) -> [f64; 2] {
         let start = if self == Self::Linear { [0.0, 0.0] } else { [f64::INFINITY, f64::NEG_INFINITY] };
         let [low, high] = coordinates.filter(|v| v.is_finite()).fold(start, |[l, h], v| [l.min(v), h.max(v)]);
@@ -48,7 +48,7 @@ impl Scale {
                 let margin = margin.max((1.0 - (high - low)) / 2.0);
                 [low - margin, high + margin]
             }
-            // At least a tenth of the largest root is shown, so that labels of five digits tell the ticks apart.
+            // At least a tenth of the largest root is shown, so that labels of five digits distinguish the ticks.
             Self::SquareRoot if high == 0.0 => [0.0, 1.0],
             Self::SquareRoot => {
                 let margin = margin.max((0.1 * high - (high - low)) / 2.0);
@@ -61,7 +61,7 @@ impl Scale {
 /// One labelled tick: its coordinate (see [`Scale::of`]) and its label.
 type Mark = (f64, String);
 
-/// Ticks of one axis and what its title adds to its name.
+/// Ticks of one axis and the suffix of its title.
 #[derive(Debug, Clone, PartialEq)]
 struct Marks {
     labelled: Vec<Mark>,
@@ -131,7 +131,7 @@ fn log_marks(low: f64, high: f64) -> Vec<Marks> {
     result
 }
 
-/// A frame and what its axes show; the intervals of `axes` are coordinates (see [`Scale::of`]).
+/// A frame and its two scales; the intervals of `axes` are coordinates (see [`Scale::of`]).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Graph {
     pub axes: Axes,
@@ -216,7 +216,7 @@ mod tests {
         m.labelled.iter().map(|m| m.1.as_str()).collect()
     }
 
-    /// The number that a label says.
+    /// The number that a label states.
     fn said(label: &str) -> f64 {
         let plain = label.replace('\u{2212}', "-");
         let lowered = |c: char| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|r| r == c).map_or('-', |d| (b'0' + d as u8) as char);

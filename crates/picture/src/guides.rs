@@ -1,4 +1,4 @@
-//! Triangles that show a slope, put where they cover no curve.
+//! Triangles that show a slope, placed so that they cover no curve.
 
 use super::axes::TICK_TEXT;
 use super::canvas::{Canvas, GREY, Pen, Rect, clip, text_width};

@@ -1,4 +1,4 @@
-//! Few triangles over a grid of many cells, as the picture of a deformed body takes them.
+//! Few triangles over a grid of many cells, for pictures of a deformed body.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,11 +13,13 @@ pub struct LatticeTriangles {
     pub outline: Vec<[usize; 2]>,
 }
 
-/// Joins the cells of a body, those of nx × ny equal rectangles with `inside(ix, iy)`, to blocks, and halves each block.
+/// Joins the cells of a body (the cells of nx × ny equal rectangles with `inside(ix, iy)`) into blocks and halves each
+/// block.
 ///
-/// There are about `at_most` points. Lines of the blocks go through all corners of the body, so that the blocks are the body
-/// exactly, unless that would take many more points: then lines are equally spaced, and what is drawn of a block is the
-/// polygon of those corners that lie in the body if its middle does, so that a rim of a block's width may be missing. `spacing` is the size of a cell.
+/// There are about `at_most` points. Lines of the blocks go through all corners of the body, so that the blocks are
+/// exactly the body. If that would take many more points, the lines are equally spaced; a block is then the polygon of
+/// its corners in the body, if the middle of the polygon is in the body, and a rim of a block's width may be missing.
+/// `spacing` is the size of a cell.
 pub fn lattice_triangles(
     spacing: [f64; 2],
     cells: [usize; 2],
@@ -37,7 +39,7 @@ pub fn lattice_triangles(
     };
     let mut result = LatticeTriangles::default();
     let mut number = BTreeMap::new();
-    // Directed sides without their opposites bound the body.
+    // Directed sides whose opposite does not exist bound the body.
     let mut sides = BTreeSet::new();
     for [a, b] in (0..y.len() - 1).flat_map(|b| (0..x.len() - 1).map(move |a| [a, b])) {
         let mut corners = vec![[x[a], y[b]], [x[a + 1], y[b]], [x[a + 1], y[b + 1]], [x[a], y[b + 1]]];
@@ -86,8 +88,8 @@ fn parts(spacing: [f64; 2], [nx, ny]: [usize; 2], at_most: usize) -> [usize; 2] 
     [of(most / y as f64, nx) - 1, y - 1]
 }
 
-/// 0, n, all lines where the body changes, and others between them to about `wanted` parts; equal parts if the body changes at
-/// many more lines.
+/// 0, n, all lines at which the body changes, and lines between them that make about `wanted` parts; equal parts if the
+/// body changes at many more lines.
 fn cuts(n: usize, wanted: usize, changes: impl Fn(usize) -> bool) -> Vec<usize> {
     let fixed: Vec<usize> = std::iter::once(0).chain((1..n).filter(|&i| changes(i))).chain([n]).collect();
     let split = |low: usize, high: usize, parts: usize| (0..parts).map(move |k| low + k * (high - low) / parts);
@@ -109,7 +111,7 @@ mod tests {
         sides.iter().map(|s| s.map(at)).map(|[a, b]| a[0] * b[1] - a[1] * b[0]).sum()
     }
 
-    /// What holds for every body; gives twice the area of the triangles.
+    /// Checks the properties that hold for every body; returns twice the area of the triangles.
     fn check(lattice: &LatticeTriangles, inside: impl Fn(usize, usize) -> bool, [nx, ny]: [usize; 2]) -> i64 {
         let LatticeTriangles { points, triangles, outline } = lattice;
         for &[i, j] in points {
@@ -152,7 +154,7 @@ mod tests {
         let inside = |ix: usize, iy: usize| (ix as f64 - 499.5).hypot(iy as f64 - 499.5) < 500.0;
         let lattice = lattice_triangles([1.0; 2], [1000, 1000], inside, 800);
         let share = check(&lattice, inside, [1000, 1000]) as f64 / 2e6;
-        // a polygon with its corners in the disc, which holds all that is deeper than the diagonal of one of 27 blocks
+        // a polygon with corners in the disc that contains all points deeper than the diagonal of one of 27 blocks
         let bounds = [(1.0 - 2.0 * 2f64.sqrt() / 27.0).powi(2), 1.0].map(|b| b * std::f64::consts::FRAC_PI_4);
         assert!(bounds[0] < share && share < bounds[1], "{share}");
         assert!(lattice.points.len() <= 850);

@@ -73,7 +73,7 @@ pub use tiles::{DegreeBox, Tile, boxes, tiles};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// A name with its unit, if that has a name.
+/// A name with the name of its unit, if there is one.
 pub fn in_unit(name: &str, unit: Option<&str>) -> String {
     unit.map_or_else(|| name.to_owned(), |unit| format!("{name} in {unit}"))
 }
@@ -99,7 +99,7 @@ pub enum PictureError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
@@ -110,7 +110,7 @@ pub enum PictureError {
 /// older file of that name is replaced.
 ///
 /// # Errors
-/// [`PictureError::Write`] with the path and what the system said.
+/// [`PictureError::Write`] with the path and the error of the operating system.
 pub fn write(dir: &Path, name: &str, picture: &Picture) -> Result<[PathBuf; 2], PictureError> {
     std::fs::create_dir_all(dir).map_err(|source| PictureError::Write { path: dir.to_owned(), source })?;
     let save = |extension: &str, bytes: &[u8]| {

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 pub(super) const SHAPES: usize = 12;
 
 /// Colours of curves, as different in lightness as their hues allow. Their number has no divisor in common with
-/// [`SHAPES`], so 84 curves have pairs of their own.
+/// [`SHAPES`], so 84 curves have different pairs of colour and shape.
 const COLOURS: [Color; 7] = [
     Color::Rgb(0, 84, 147),
     Color::Rgb(204, 85, 0),
@@ -24,7 +24,7 @@ pub(super) fn colour(k: usize) -> Color {
     COLOURS[k % COLOURS.len()].clone()
 }
 
-/// Line of quantity j: solid, dashed, dotted, then long dashes.
+/// Line style of quantity j: solid, dashed, dotted, then long dashes.
 pub(super) fn pen(colour: Color, j: usize) -> Pen {
     match j {
         0 => Pen::solid(colour, 1.8),
@@ -34,7 +34,7 @@ pub(super) fn pen(colour: Color, j: usize) -> Pen {
     }
 }
 
-/// Corners of marker k around a centre; shapes of one r look equally large.
+/// Corners of marker k around a centre; shapes with the same r look equally large.
 fn outline(k: usize, [x, y]: [f64; 2], r: f64) -> Vec<[f64; 2]> {
     let regular = |n: usize, turn: f64, r: f64| -> Vec<[f64; 2]> {
         (0..n).map(|i| TAU * (i as f64 / n as f64 + turn)).map(|a| [r * a.cos(), r * a.sin()]).collect()
@@ -92,7 +92,7 @@ pub(super) fn mark(canvas: &mut Canvas, k: usize, centre: [f64; 2], r: f64, colo
     }
 }
 
-/// Draws the outline of marker k around one that stands there already.
+/// Draws the outline of marker k around a marker that is there already.
 pub(super) fn around(canvas: &mut Canvas, k: usize, centre: [f64; 2], r: f64, colour: Color) {
     let corners = outline(k, centre, r);
     let closed = [&corners[..], &corners[..2]].concat();

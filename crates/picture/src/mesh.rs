@@ -30,7 +30,7 @@ const AROUND: f64 = 26.0;
 /// Width of the coloured line.
 const LINE: f64 = 5.0;
 
-/// Half the length of the tick at a vertex, and the least distance of two ticks.
+/// Half the length of the tick at a vertex, and the smallest distance between two ticks.
 const TICK: f64 = 7.5;
 const TICKS_APART: f64 = 3.0;
 
@@ -43,7 +43,7 @@ const BOX: [f64; 2] = [30.0, 14.0];
 /// One mesh of N elements. Elements follow each other along each loop with the body on their left.
 #[derive(Debug, Clone, Copy)]
 pub struct MeshPanel<'a> {
-    /// What stands above, in at most two lines, for instance "step 5: 45 elements, 282 dofs".
+    /// Text above the mesh, in at most two lines, for instance "step 5: 45 elements, 282 dofs".
     pub caption: &'a str,
     /// End points (N). An element with a coordinate that is not finite is left out.
     pub elements: &'a [[[f64; 2]; 2]],
@@ -69,7 +69,8 @@ pub struct MeshFigure<'a> {
 ///
 /// Sides that have an element shorter than 2 % of them in one of the meshes (at most eight of them, the most refined
 /// ones) are drawn beside each body once more, with elements of equal width: the degrees as bars upwards, the lengths
-/// as bars downwards on a logarithmic axis; of linear elements the lengths alone. Meshes without such sides stand in rows of up to three.
+/// as bars downwards on a logarithmic axis. Linear elements have lengths alone. Meshes without such sides stand in rows
+/// of up to three.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -153,7 +154,7 @@ impl Shades {
     }
 }
 
-/// Where the bodies are drawn: in a column beside strips, or in rows.
+/// The rectangles in which the bodies are drawn: in a column beside strips, or in rows.
 fn cells(panels: &[MeshPanel<'_>], strips: bool, top: f64) -> Vec<Rect> {
     let n = panels.len();
     if strips {
@@ -215,7 +216,7 @@ fn body(canvas: &mut Canvas, cell: Rect, panel: &MeshPanel<'_>, shades: &Shades,
     }
     canvas.lines(&vertices(&lines), &Pen::solid(BLACK, 1.3));
 
-    // Numbers outside, then names inside, each only where it covers nothing.
+    // Numbers outside, then names inside; a text that would cover another is left out.
     let mut taken: Vec<Rect> = Vec::new();
     let mut write = |canvas: &mut Canvas, [x, y]: [f64; 2], text: &str, size: u32| {
         let width = 0.9 * text_width(text, size);
@@ -294,8 +295,8 @@ fn joined(lines: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
     runs(lines).map(join).collect()
 }
 
-/// A tick across the line at each vertex, along the mean of the two normals. Where elements are too short to tell
-/// their ticks apart, some are left out.
+/// A tick across the line at each vertex, along the mean of the two normals. Ticks that would be too close to their
+/// neighbours are left out.
 fn vertices(lines: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
     let distance = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
     let mut ticks = Vec::new();

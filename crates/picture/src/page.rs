@@ -1,9 +1,10 @@
-//! What pages with pictures share.
+//! The style of pages with pictures, and images inside them.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-/// The style of a page, light and dark: cards are sections, `.pictures` a grid of them, `.wide` what may be wider than the page.
+/// The style of a page, light and dark: cards are sections, `.pictures` is a grid of pictures, `.wide` an element that
+/// may be wider than the page.
 pub const STYLE: &str = include_str!("page.css");
 
 /// The bytes of a picture of a kind, `svg+xml` or `png`, as the source of an image that is not loaded.

@@ -20,14 +20,14 @@ const BETWEEN: f64 = 22.0;
 const SAMPLE: f64 = 36.0;
 const BESIDE: f64 = 66.0;
 
-/// Markers of a curve at most: of more points only some are marked.
+/// A curve with at most this many points has a marker at each, a longer one at about `FEW`.
 const MARKERS: usize = 40;
 const FEW: usize = 12;
 
 const SHADE: Color = Color::Rgb(198, 214, 229);
 const BAR: Color = Color::Rgb(170, 190, 208);
 
-/// What a layer draws. Values that are not finite are left out.
+/// The shape of a layer. Values that are not finite are left out.
 #[derive(Debug, Clone)]
 pub enum Shape {
     /// The area between two curves: `[x, lower, upper]` in the order of x.
@@ -47,7 +47,7 @@ pub enum Shape {
 pub struct Layer {
     /// Name.
     pub name: String,
-    /// What is drawn.
+    /// Its shape.
     pub shape: Shape,
 }
 
@@ -67,13 +67,13 @@ pub enum Ends {
 /// One panel.
 #[derive(Debug, Clone)]
 pub struct Panel {
-    /// What x is, with its unit.
+    /// Name of x with its unit.
     pub x: String,
-    /// What y is, with its unit.
+    /// Name of y with its unit.
     pub y: String,
     /// The y axis.
     pub ends: Ends,
-    /// What is drawn: first areas and bars, then the grid, then lines and points.
+    /// The layers. Areas and bars are drawn first, then the grid, then lines and points.
     pub layers: Vec<Layer>,
 }
 
@@ -207,7 +207,7 @@ fn draw(canvas: &mut Canvas, panel: &Panel, graph: &Graph) {
                 let line = placed(points);
                 canvas.lines(&clip(&line, frame), &curve_pen(*number));
                 let step = if line.len() <= MARKERS { 1 } else { line.len().div_ceil(FEW) };
-                // those of several curves stand apart
+                // markers of different curves do not coincide
                 marks(canvas, line.into_iter().skip((step * number / 7) % step).step_by(step), *number);
             }
             Shape::Points(points, number) => marks(canvas, placed(points).into_iter(), *number),
@@ -239,7 +239,7 @@ fn across_pen(style: usize) -> Pen {
     Pen { width: 1.8, ..pen(BLACK, style) }
 }
 
-/// What stands for a shape in the key, its text's base line at y.
+/// Draws the sample of a shape in the key; y is the base line of its text.
 fn sample(canvas: &mut Canvas, shape: &Shape, [x, y]: [f64; 2]) {
     let line = vec![[x, y - 4.5], [x + SAMPLE, y - 4.5]];
     let (l, r, t, b) = (x, x + SAMPLE, y - 11.0, y + 2.0);

@@ -1,4 +1,4 @@
-//! A field as coloured pixels: values on a grid of any size are brought to the size at which they are drawn.
+//! A field as coloured pixels: values on a grid of any size are resampled to the size at which they are drawn.
 
 use super::PictureError;
 use super::bands::{BANDS, colour};
@@ -11,7 +11,7 @@ use std::ops::Range;
 /// The band of a pixel outside of the body.
 const OUTSIDE: u8 = u8::MAX;
 
-/// Longer outlines than this are speckles, which their colours show better.
+/// An outline of more lines than this belongs to speckles, which are clearer without one.
 const OUTLINE: usize = 20_000;
 
 /// Rows of bands, from the top.
@@ -61,8 +61,8 @@ impl Raster {
         Primitive::RectBatch { x, y, w, h, fills }
     }
 
-    /// What the PNG shows and what stands in the SVG at a frame of the raster's size, which lies on whole pixels: the SVG
-    /// embeds a PNG, because a rectangle for each run of pixels would take hundreds of times its bytes.
+    /// The rectangles for the PNG and the element for the SVG, at a frame of the raster's size that lies on whole
+    /// pixels. The SVG embeds a PNG, because a rectangle for each run of pixels would take hundreds of times its bytes.
     pub fn drawn(&self, frame: Rect) -> Result<(Primitive, String), PictureError> {
         let [width, height] = self.size.map(|n| n as f64 / PIXELS);
         let mut scene = Scene::new(width, height);
@@ -78,7 +78,7 @@ impl Raster {
         Ok((self.rectangles([frame.left, frame.top]), element))
     }
 
-    /// The lines around the body; none if they are too many to be seen.
+    /// The lines around the body; none if there are too many.
     pub fn outline(&self, [left, top]: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
         let [columns, rows] = self.size;
         let body = |i: Option<usize>, j: Option<usize>| match (i, j) {
@@ -111,8 +111,8 @@ fn ranges(n: usize, at: impl Fn(usize) -> bool) -> impl Iterator<Item = Range<us
     })
 }
 
-/// The cells that pixel p of `pixels` shows out of `cells` in a row: a share of its own, or the one at its middle where there
-/// are fewer cells than pixels.
+/// The cells that pixel p of `pixels` shows out of `cells` in a row: its share of the cells, or the cell at its middle
+/// if there are fewer cells than pixels.
 pub(super) fn shown(p: usize, pixels: usize, cells: usize) -> Range<usize> {
     if cells < pixels {
         let middle = (2 * p + 1) * cells / (2 * pixels);

@@ -47,9 +47,9 @@ pub(super) fn ticks(low: f64, high: f64, at_most: usize) -> Ticks {
     result
 }
 
-/// Ticks of a colour bar: at most `at_most`, or more where there would be less than three.
+/// Ticks of a colour bar: at most `at_most`, or more if there would be fewer than three.
 pub(super) fn bar_ticks(low: f64, high: f64, at_most: usize) -> Ticks {
-    // a step is less than 2.5 times what was asked for: eight lead to less than a third of the interval
+    // a step is less than 2.5 times the wanted one: with eight wanted it is less than a third of the interval
     let most = at_most.max(8);
     let mut choices = (at_most..=most).map(|n| ticks(low, high, n));
     choices.find(|t| t.values.len() >= 3).unwrap_or_else(|| ticks(low, high, most))
@@ -79,8 +79,9 @@ fn nice_below(x: f64) -> f64 {
 
 /// Factor at which displacements are drawn, from the ratio r of the largest one to the size of the body.
 ///
-/// 1 for 0.05 ≤ r ≤ 0.5 and for r = 0; else the largest of 1, 2, 5 times a power of ten that brings r to at most
-/// 0.1 (so r times factor lies in (0.04, 0.1]). Of factors above 1 the largest such number that is not above `most`, or 1.
+/// 1 for 0.05 ≤ r ≤ 0.5 and for r = 0; else the largest of 1, 2, 5 times a power of ten that brings r to at most 0.1
+/// (so r times factor lies in (0.04, 0.1]). A factor above 1 is at most `most`: the largest such number up to `most`,
+/// or 1.
 pub fn exaggeration(ratio: f64, most: f64) -> f64 {
     let visible = (0.05..=0.5).contains(&ratio);
     let factor = if visible || !(1e-200..1e200).contains(&ratio) { 1.0 } else { nice_below(0.1 / ratio) };
@@ -94,7 +95,7 @@ pub(super) fn power(exponent: i32) -> String {
     format!("10{}", exponent.to_string().chars().map(raise).collect::<String>())
 }
 
-/// A number with `digits` significant digits, with a power of ten where it is long otherwise.
+/// A number with `digits` significant digits, with a power of ten if it would be long without.
 pub fn short(value: f64, digits: usize) -> String {
     let text = match decimal(value, digits) {
         (text, 0) => text,
@@ -117,7 +118,7 @@ fn decimal(value: f64, digits: usize) -> (String, i32) {
     if value == 0.0 || !value.is_finite() {
         return (format!("{}", value + 0.0), 0); // + 0: no -0
     }
-    // Rounding may carry into the next power of ten, so the exponent is read after it.
+    // Rounding may carry into the next power of ten, so the exponent is read after rounding.
     let text = format!("{value:.*e}", digits.saturating_sub(1));
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);

@@ -30,7 +30,7 @@ pub struct SpreadLoop {
     pub covariance: Vec<[f64; 3]>,
 }
 
-/// What is drawn of a body whose displacement is random.
+/// A body whose displacement is random, to draw.
 #[derive(Debug, Clone, Copy)]
 pub struct Spread<'a> {
     /// Title, broken into at most three lines.
@@ -41,15 +41,15 @@ pub struct Spread<'a> {
     pub obstacles: &'a [Obstacle<'a>],
     /// Lower left and upper right corner of the part of the undeformed body that is drawn; None for all of it.
     pub window: Option<[[f64; 2]; 2]>,
-    /// Factor > 0 of displacements, deviations and gaps; None for one that makes them visible.
+    /// Factor > 0 of displacements, deviations and gaps; None chooses one that makes them visible.
     pub enlarge: Option<f64>,
     /// Name of the unit of lengths.
     pub unit: Option<&'a str>,
 }
 
-/// Draws the undeformed and the mean deformed outline, with a band of two standard deviations of the normal displacement
-/// on both sides of the latter. Mean, deviations and gaps are drawn at one factor, by the rule of [`super::body()`]
-/// for the largest mean displacement with its two deviations, unless it is given.
+/// Draws the undeformed and the mean deformed outline, with a band of two standard deviations of the normal
+/// displacement on both sides of the latter. Mean, deviations and gaps are drawn at one factor. Unless it is given, it
+/// follows from the rule of [`super::body()`] for the largest mean displacement plus two deviations.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -101,7 +101,7 @@ pub fn spread(s: &Spread<'_>) -> Result<Picture, PictureError> {
     canvas.finish()
 }
 
-/// What is said of the factor and of the largest displacements.
+/// The line about the factor and the largest displacements.
 fn subtitle(s: &Spread<'_>, factor: f64, mean: f64, off: f64) -> String {
     let scale = match factor {
         1.0 => "drawn to scale".to_owned(),
@@ -112,7 +112,7 @@ fn subtitle(s: &Spread<'_>, factor: f64, mean: f64, off: f64) -> String {
     format!("{scale}; largest mean displacement{of} {mean}, largest deviation {off}")
 }
 
-/// The largest mean displacement, deviation, and sum of the first and two of the second, of the boundary in a window.
+/// The largest mean displacement u, the largest deviation s, and the largest u + 2 s on the boundary in a window.
 fn largest(loops: &[SpreadLoop], window: [[f64; 2]; 2]) -> [f64; 3] {
     let mut largest = [0.0f64; 3];
     for l in loops {
@@ -155,8 +155,8 @@ fn greatest_variance([xx, yy, xy]: [f64; 3]) -> f64 {
     (xx + yy) / 2.0 + ((xx - yy) / 2.0).hypot(xy)
 }
 
-/// Two standard deviations on each side of a closed line, at its nodes: along the normal, and at a corner where the
-/// bands of the two elements meet.
+/// Two standard deviations on each side of a closed line, at its nodes: along the normal; at a corner, at the point
+/// where the bands of the two elements meet.
 fn band(line: &[[f64; 2]], covariance: &[[f64; 3]], factor: f64) -> Vec<[[f64; 2]; 2]> {
     let n = line.len();
     let normal = |i: usize| {
@@ -173,8 +173,8 @@ fn band(line: &[[f64; 2]], covariance: &[[f64; 3]], factor: f64) -> Vec<[[f64; 2
         .collect()
 }
 
-/// The vector d with d·n = deviation of the displacement along n for both normals; for normals that are nearly one, along
-/// their mean.
+/// The vector d with d·n = deviation of the displacement along n for both normals; if the normals nearly coincide,
+/// along their mean.
 fn offset(before: [f64; 2], after: [f64; 2], [xx, yy, xy]: [f64; 3]) -> [f64; 2] {
     let deviation = |n: [f64; 2]| (n[0] * n[0] * xx + n[1] * n[1] * yy + 2.0 * n[0] * n[1] * xy).max(0.0).sqrt();
     let cross = before[0] * after[1] - before[1] * after[0];
@@ -184,7 +184,7 @@ fn offset(before: [f64; 2], after: [f64; 2], [xx, yy, xy]: [f64; 3]) -> [f64; 2]
     }
     let sum = [before[0] + after[0], before[1] + after[1]];
     let length = sum[0].hypot(sum[1]);
-    // where the line turns back on itself there is no mean
+    // if the line turns back on itself, there is no mean
     let n = if length > 1e-6 { sum.map(|v| v / length) } else { after };
     n.map(|v| v * deviation(n))
 }
@@ -197,7 +197,7 @@ fn edge_pen() -> Pen {
     Pen::solid(Color::Rgb(90, 120, 150), 0.9)
 }
 
-/// What the lines and the band mean, in a row centred on a point.
+/// The key of the lines and the band, in a row centred on a point.
 fn key(canvas: &mut Canvas, centre: [f64; 2], obstacle: bool) {
     let names = ["mean", "± 2 standard deviations", "undeformed", "obstacle of the mean input"];
     let shown = &names[..if obstacle { 4 } else { 3 }];

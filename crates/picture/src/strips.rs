@@ -1,4 +1,4 @@
-//! Strongly refined sides once more, each element as wide as the next: degree upwards, length downwards; of linear elements the
+//! Strongly refined sides with elements of equal width: degree upwards, length downwards; linear elements have the
 //! length alone.
 
 use super::canvas::{BLACK, Canvas, LIGHT, Pen, Rect, text_width, wrap};
@@ -13,7 +13,7 @@ const SHORT: f64 = 0.02;
 /// More sides than this are not drawn.
 const MOST: usize = 8;
 
-/// Heights: degrees (with a head for the figures above the bars), space, lengths, and all of it.
+/// Heights: degrees (with a head for the figures above the bars), space, lengths, and the sum.
 const DEGREES: f64 = 96.0;
 const HEAD: f64 = 15.0;
 const SPACE: f64 = 6.0;
@@ -56,7 +56,7 @@ fn shares(panel: &MeshPanel<'_>, side: Side) -> Vec<(usize, f64)> {
     lengths.into_iter().map(|(i, l)| (i, l / total)).filter(|l| l.1.is_finite()).collect()
 }
 
-/// What all panels of a figure share, so that they can be compared.
+/// Sides and scales of all panels of a figure, so that the panels can be compared.
 pub(super) struct Strips<'a> {
     sides: &'a [Side],
     names: &'a [String],
@@ -65,7 +65,7 @@ pub(super) struct Strips<'a> {
     /// Heights of degrees, with the space below them, and of lengths.
     degrees: f64,
     lengths: f64,
-    /// The length axis ends at ten to minus this.
+    /// The length axis ends at 10 to the power of minus this.
     decades: i32,
 }
 

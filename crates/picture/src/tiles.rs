@@ -19,7 +19,7 @@ const COLOURS: f64 = 120.0;
 /// One field over the points of the body.
 #[derive(Debug, Clone)]
 pub struct Tile {
-    /// What stands above.
+    /// Text above the panel.
     pub caption: String,
     /// Values at the points.
     pub values: Vec<f64>,
@@ -92,8 +92,8 @@ pub struct DegreeBox {
     pub degree: [usize; 2],
 }
 
-/// Draws boxes coloured by the larger of their degrees (the darker, the higher), with both degrees in figures where there is
-/// room, and points in them.
+/// Draws boxes coloured by the larger of their degrees (the darker, the higher), with both degrees in figures if there
+/// is room, and points in the boxes.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.

@@ -1,4 +1,5 @@
-//! Text that is read upwards as pixels: those of the same text along x, turned by a quarter, so that it is as sharp.
+//! Pixels of a text that is read upwards: the pixels of the same text along x, turned by a quarter, so that it is as
+//! sharp.
 
 use super::PictureError;
 use super::canvas::{BLACK, PIXELS, text_width};
@@ -8,7 +9,7 @@ use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 /// Rectangles, each of one grey on white, that draw a text upwards, centred on a point of its base line.
 pub(super) fn upright([x, y]: [f64; 2], content: &str, size: u32) -> Result<Primitive, PictureError> {
-    // the text is centred in a strip; its base line leaves room for what hangs below it
+    // the text is centred in a strip; its base line leaves room for descenders
     let [length, line] = [text_width(content, size) + 4.0, 2.0 * f64::from(size)].map(f64::ceil);
     let [middle, base] = [length / 2.0, (1.4 * f64::from(size)).ceil()];
     let mut scene = Scene::new(length, line);

@@ -2,7 +2,7 @@
 
 use super::body::{Body, Obstacle};
 
-/// A part of a body with numbers of its own for points; obstacles by their points and gaps.
+/// A part of a body with its own numbering of points; obstacles are given by their points and gaps.
 #[derive(Debug, Default)]
 pub(super) struct Part {
     pub points: Vec<[f64; 2]>,
@@ -29,7 +29,7 @@ pub(super) fn part(b: &Body<'_>, window: [[f64; 2]; 2]) -> Part {
         [x, y, u, v, b.values[i]]
     };
     let mut part = Part::default();
-    // a point that is not cut off keeps one number, so that lines go on through it
+    // a point inside the window has one number, so that lines continue through it
     let mut numbers: Vec<Option<usize>> = vec![None; b.points.len()];
     let mut number = |part: &mut Part, i: usize, at: [f64; 5]| match at[..2] == corner(i)[..2] {
         true => *numbers[i].get_or_insert_with(|| part.push(at)),
