@@ -13,13 +13,14 @@ use steklov_problem::Scene;
 use crate::follow::{Filling, Segment, Value, follow};
 use crate::triangulate::{Triangulation, triangulate};
 
-/// Points of all bodies before triangles follow the solution, about.
+/// Approximate number of points of all bodies before triangles follow the solution.
 const BODY_POINTS: usize = 400;
-/// Points of the triangulated window around the holes of an unbounded body before its triangles follow the solution, about.
+/// Approximate number of points of the window around the holes of an unbounded body before triangles follow the
+/// solution.
 const WINDOW_POINTS: usize = 800;
 
-/// The edges of a window around the holes of an unbounded body, whose edges are given, counter-clockwise: their bounding box and one and a half
-/// diameters on each side.
+/// The edges, counter-clockwise, of a window around the holes of an unbounded body with the given edges: their bounding
+/// box, one and a half diameters larger on each side.
 fn frame(polygon: &Polygon, edges: &[usize]) -> Vec<([f64; 2], [f64; 2], usize)> {
     let edges = || edges.iter().map(|&k| &polygon.edges()[k]);
     let margin = 1.5 * polygon.diameter();
@@ -46,7 +47,7 @@ pub(crate) struct Chord {
 const CHORD: f64 = 1.0 / 64.0;
 const TURN: f64 = 0.1;
 
-/// The chords that stand for an edge in pictures: a straight one is its own.
+/// The chords that replace an edge in pictures; a straight edge is its own chord.
 pub(crate) fn chords(polygon: &Polygon, edge: usize) -> Vec<Chord> {
     let e = &polygon.edges()[edge];
     let count = match e.is_line() {
@@ -62,8 +63,8 @@ pub(crate) fn chords(polygon: &Polygon, edge: usize) -> Vec<Chord> {
     (0..count).map(|i| Chord { edge, ends: [point(i), point(i + 1)], span: [s(i), s(i + 1)] }).collect()
 }
 
-/// Adds the points and triangles of a body, of an unbounded one those of a window; without triangles where its outline cannot be
-/// triangulated.
+/// Adds the points and triangles of a body, for an unbounded body those of a window. There are no triangles if the
+/// outline cannot be triangulated.
 fn fill(filling: &mut Filling, polygon: &Polygon, body: usize) {
     let loops = polygon.bodies()[body].clone();
     let order: Vec<usize> = loops.clone().flat_map(|l| polygon.traversal(l)).collect();
@@ -73,7 +74,7 @@ fn fill(filling: &mut Filling, polygon: &Polygon, body: usize) {
         false => (frame(polygon, &order), WINDOW_POINTS),
     };
     let sides = frame.len();
-    // the window is the loop before those of the holes
+    // the loop of the window comes before the loops of the holes
     let chords: Vec<Chord> = order.iter().flat_map(|&k| chords(polygon, k)).collect();
     let of_loops =
         chords.iter().map(|c| (c.ends[0], c.ends[1], polygon.edges()[c.edge].loop_index - loops.start + sides));

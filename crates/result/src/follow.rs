@@ -1,12 +1,13 @@
 //! Triangles that follow a field: split until linear interpolation is right to half a step of the colours.
 //!
-//! An edge is tried once at its middle, on the true boundary where it is a segment of that: every edge along the boundary, where
-//! evaluation is cheap, and those inside where the values around let an error expect. An edge is marked where
-//! the value differs from the mean of its ends by more than 0.3 steps: a step is a band of the colours for von Mises stress, and
-//! as large a part of the largest displacement; or where the middle of a segment of the outline is off by more than a quarter of a
-//! pixel, or its displacement by more than a fiftieth, as drawn: the faces of a crack may be only some pixels apart. The longest
-//! edge of a triangle with a marked edge is marked too, and triangles are cut at the middles of their marked edges, through that of
-//! the longest one first, so that angles do not degenerate.
+//! The field is evaluated once at the middle of an edge; the middle of a segment of the boundary is on the true
+//! boundary. All edges on the boundary are tried, because evaluation is cheap there, and those edges inside at which
+//! the surrounding values predict an error. An edge is marked if the value at its middle differs from the mean of its
+//! ends by more than 0.3 steps; a step is a band of the colours for von Mises stress, and the same part of the largest
+//! displacement. A segment of the outline is also marked if its middle is off by more than a quarter of a pixel, or the
+//! displacement of its middle, as drawn, by more than a fiftieth of a pixel: the faces of a crack may be only some
+//! pixels apart. The longest edge of a triangle with a marked edge is marked too. Triangles are cut at the middles of
+//! their marked edges, first at the middle of the longest one, so that angles do not degenerate.
 
 use std::collections::{HashMap, HashSet};
 
@@ -15,30 +16,30 @@ use steklov_bem_operators::Polygon;
 use steklov_elastic::plane::{cross, distance, dot, minus, norm};
 use steklov_picture::{BANDS, colour_interval, exaggeration, limited};
 
-/// Errors of the middles of edges in steps: quadratic ones are at most 4/3 as large elsewhere in a triangle.
+/// Allowed error at the middle of an edge in steps; a quadratic error is at most 4/3 as large elsewhere in a triangle.
 const STEPS: f64 = 0.3;
 
-/// Pixels of a picture along the longer side of the bodies: shorter edges inside are not split, on the boundary those shorter than
-/// 1/128 of a pixel, as the faces of a crack open like a root.
+/// Pixels of a picture along the longer side of the bodies. Edges shorter than a pixel inside are not split, and edges
+/// shorter than 1/128 of a pixel on the boundary, because the opening of a crack grows like a root.
 const PIXELS: f64 = 1200.0;
 const PIXELS_AT_BOUNDARY: f64 = 128.0 * PIXELS;
 
-/// Distance of the outline from a segment that stands for it, in pixels, and that of their displacements as they are drawn.
+/// Allowed distance of the outline from its segment, in pixels, and allowed difference of their displacements as drawn.
 const OFF: f64 = 0.25;
 const MOVED_OFF: f64 = 0.02;
 
-/// Points at most, of all bodies.
+/// Number of points of all bodies above which no edge is split; the last round may add more to stay conforming.
 const MOST_POINTS: usize = 8000;
 
-/// An edge inside is tried where the values around it let an error of this part of the allowed one expect; slopes at the boundary,
-/// known from one side, say less.
+/// An edge inside is tried if the surrounding values predict at least this part of the allowed error; slopes at the
+/// boundary, known from one side, are less reliable.
 const DOUBT: f64 = 0.4;
 const DOUBT_AT_BOUNDARY: f64 = 0.3;
 
-/// Rounds at most: each halves the longest marked edges.
+/// Largest number of rounds; each halves the longest marked edges.
 const ROUNDS: usize = 24;
 
-/// What is known at a point.
+/// The field at a point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Value {
     pub(crate) displacement: [f64; 2],
@@ -88,8 +89,8 @@ fn edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
 
 type At<'a> = &'a (dyn Fn(usize, [f64; 2], Option<(usize, f64)>) -> Value + Sync);
 
-/// Splits the triangles until they follow the field, which is evaluated once at each point (body, point, place on the boundary);
-/// gives the values at the points.
+/// Splits the triangles until they follow the field, which is evaluated once at each point (body, point, place on the
+/// boundary). Returns the values at the points.
 pub(crate) fn follow(filling: &mut Filling, polygon: &Polygon, value: At<'_>) -> Vec<Value> {
     let at = |i: usize| value(filling.bodies[i], filling.points[i], filling.places[i]);
     let mut values: Vec<Value> = (0..filling.points.len()).into_par_iter().map(at).collect();
@@ -111,7 +112,7 @@ pub(crate) fn follow(filling: &mut Filling, polygon: &Polygon, value: At<'_>) ->
             if on_boundary.contains(e) {
                 return length > size / PIXELS_AT_BOUNDARY;
             }
-            // across a ligament slopes at the ends may be alike
+            // across a ligament the slopes at both ends may be equal
             let doubt = match e.iter().filter(|&&i| filling.places[i].is_some()).count() {
                 0 => DOUBT,
                 1 => DOUBT_AT_BOUNDARY,
@@ -131,7 +132,7 @@ pub(crate) fn follow(filling: &mut Filling, polygon: &Polygon, value: At<'_>) ->
     values
 }
 
-/// Adds the middles of those of some edges that have none.
+/// Adds the middles of the wanted edges that have none yet.
 fn add_middles(filling: &Filling, polygon: &Polygon, wanted: &[[usize; 2]], middles: &mut Middles, value: At<'_>) {
     let places: HashMap<[usize; 2], (usize, f64)> =
         filling.outline.iter().map(|s| (key(s.ends[0], s.ends[1]), (s.edge, (s.span[0] + s.span[1]) / 2.0))).collect();
@@ -163,9 +164,9 @@ fn folded(filling: &Filling, middles: &Middles) -> HashSet<[usize; 2]> {
     folded
 }
 
-/// What an error is measured by.
+/// The allowed errors.
 struct Scale {
-    /// Ends of the colours, and the error that is allowed.
+    /// Ends of the colours, and the allowed error of the stress.
     colours: [f64; 2],
     stress: f64,
     displacement: f64,
@@ -188,7 +189,7 @@ impl Scale {
         }
     }
 
-    /// The error at the middle of an edge over what is allowed.
+    /// The error at the middle of an edge over the allowed error.
     fn error(&self, filling: &Filling, values: &[Value], e: [usize; 2], m: &Middle) -> f64 {
         let [low, high] = self.colours;
         let [a, b] = e.map(|i| &values[i]);
@@ -202,14 +203,14 @@ impl Scale {
         [stress, norm(u) / self.displacement, outline].into_iter().filter(|e| e.is_finite()).fold(0.0, f64::max)
     }
 
-    /// The error at the middle of an edge that a cubic polynomial with the slopes of the corners has.
+    /// The error at the middle of an edge, over the allowed error, of a cubic polynomial with the slopes at its ends.
     fn expected(&self, filling: &Filling, slopes: &[[f64; 2]], [a, b]: [usize; 2]) -> f64 {
         let along = minus(filling.points[b], filling.points[a]);
         dot(minus(slopes[b], slopes[a]), along).abs() / 8.0 / self.stress
     }
 }
 
-/// Slopes of von Mises stress at the points: those of the triangles around them, weighted by area.
+/// Slopes of von Mises stress at the points: the mean over the triangles around them, weighted by area.
 fn slopes(filling: &Filling, values: &[Value], scale: &Scale) -> Vec<[f64; 2]> {
     let mut sums = vec![([0.0; 2], 0.0); filling.points.len()];
     for t in &filling.triangles {
@@ -226,7 +227,8 @@ fn slopes(filling: &Filling, values: &[Value], scale: &Scale) -> Vec<[f64; 2]> {
     sums.iter().map(|(slope, area)| slope.map(|s| s / area)).collect()
 }
 
-/// The edges to split, worst first as many as there is room for, with what keeps triangles conforming.
+/// The edges to split: the worst ones, as many as there is room for, and the edges that keep the triangulation
+/// conforming.
 fn marked(
     filling: &Filling,
     values: &[Value],
@@ -296,7 +298,7 @@ fn split(
         let first = longest(filling, folded, t).and_then(|e| edges(t).iter().position(|other| *other == e));
         let [a, b, c] = [0, 1, 2].map(|k| t[(first.unwrap_or(0) + k) % 3]);
         let Some(&m) = number.get(&key(a, b)) else { continue };
-        // the halves have one other edge of the triangle each
+        // each half has one other edge of the triangle
         for [p, q, r] in [[c, a, m], [b, c, m]] {
             match number.get(&key(p, q)) {
                 Some(&n) => triangles.extend([[p, n, r], [n, q, r]]),

@@ -1,10 +1,10 @@
-//! The steps of a result file in numbers, whatever model made them.
+//! The numbers of the steps of a result file, for all models.
 
 use steklov_io::{File, Group, IoError, invalid, load_integers, load_number, load_texts, load_vector};
 
 use crate::steps::groups;
 
-/// A step in numbers.
+/// The numbers of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepNumbers {
     /// Displacement unknowns, held ones included.
@@ -13,8 +13,8 @@ pub struct StepNumbers {
     pub energy: f64,
     /// Estimated error in the energy norm.
     pub estimate: Option<f64>,
-    /// Why that is not to be trusted: words of [`steklov_model::doubt::Doubt`]. Those of grids are known of the last step alone, and
-    /// stand in its summary.
+    /// Why the estimate is not to be trusted: words of [`steklov_model::doubt::Doubt`]. For grids only those of the
+    /// last step are known; they are in the summary.
     pub doubts: Vec<String>,
     /// Iterations of the contact solver; 0 without contact.
     pub iterations: usize,

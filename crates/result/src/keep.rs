@@ -1,4 +1,4 @@
-//! What a result file keeps of a run, of boundary elements and of finite elements on grids.
+//! The part of a run that a result file keeps, for boundary elements and for finite elements on grids.
 
 use steklov_io::vtkhdf::Grid;
 use steklov_io::{File, Group, IoError, invalid, vtkhdf};
@@ -19,10 +19,10 @@ use crate::steps;
 
 /// A model whose runs are kept in files.
 pub trait Keep: Model {
-    /// The beginning of a run; of steps that are done already, the last one is solved again.
+    /// The beginning of a run; if steps are done already, the last one is solved again.
     ///
     /// # Errors
-    /// Those of a first grid.
+    /// The errors of a first grid.
     fn resume(scene: &Scene, steps: Vec<Step<Self>>) -> Result<Progress<Self>, SolveError>;
 
     /// Writes a step into its group.
@@ -45,9 +45,9 @@ pub trait Keep: Model {
 pub struct Fields {
     /// Boundary lines and the body with displacement, stress and von Mises stress.
     pub grid: Grid,
-    /// Points of the boundary, the element of each and the traction σ(u)n there.
+    /// Points of the boundary, each with its element and the traction σ(u)n.
     pub traction: Vec<([f64; 2], usize, [f64; 2])>,
-    /// The components of it there that the scene prescribes; NaN for the others.
+    /// The components of the traction that the scene prescribes; NaN for the others.
     pub prescribed: Vec<[f64; 2]>,
     /// The grid of finite elements.
     pub on_grid: Option<GridRecord>,

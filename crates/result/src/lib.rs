@@ -1,4 +1,4 @@
-//! Results of problems: what is known of a run, and the HDF5 file that holds it, which h5py and ParaView read.
+//! Results of problems: the record of a run, and its HDF5 file, which h5py and ParaView read.
 //!
 //! ```text
 //! Run ─► Record (fields, contact table, steps, summary, plan) ─► store::write ─► file
@@ -38,7 +38,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-// the crates of whose types the interface is made
+// the crates whose types are in the interface
 pub use {steklov_document, steklov_io, steklov_model, steklov_plan, steklov_problem};
 
 mod body_grid;

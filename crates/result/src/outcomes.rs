@@ -181,7 +181,7 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
         cells,
         truncation,
         truncation_measured,
-        // it is in the JSON object
+        // the estimator is in the JSON object
         estimator: None,
         truncation_by_germ,
         checks,

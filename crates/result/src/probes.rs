@@ -23,7 +23,7 @@ const ALONG_SIDE: [Column<SidePoint>; 7] = [
     ("von_mises", "stress", "von Mises stress", |p| p.von_mises),
 ];
 
-/// Writes what a scene asks for; nothing where it asks for nothing.
+/// Writes the probes of a scene; nothing if it has none.
 pub(crate) fn save(at: &Group, summary: &Summary) -> Result<(), IoError> {
     let Summary { probe, probe_lines, probe_sides, .. } = summary;
     if probe.is_empty() && probe_lines.is_empty() && probe_sides.is_empty() {

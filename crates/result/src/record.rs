@@ -1,4 +1,4 @@
-//! Everything about a result that is stored and shown.
+//! The data of a result that are stored and shown.
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ use crate::medium::{Window, add_medium, window};
 pub struct Record {
     /// The numbers.
     pub summary: Summary,
-    /// What was modelled.
+    /// The plan of the model.
     pub plan: Plan,
     /// The last mesh.
     pub mesh: Mesh,
@@ -31,13 +31,13 @@ pub struct Record {
     pub points: Vec<[f64; 2]>,
     /// Nodal displacement.
     pub displacement: Vec<[f64; 2]>,
-    /// Points of each element: the Gauss points of its degree, of a grid the middle.
+    /// Points of each element: the Gauss points of its degree; on a grid the middle.
     pub traction_points: Vec<[f64; 2]>,
-    /// The element of each.
+    /// The element of each traction point.
     pub traction_element: Vec<usize>,
-    /// Traction σ(u)n there.
+    /// Traction σ(u)n at these points.
     pub traction: Vec<[f64; 2]>,
-    /// The components of it that the scene prescribes; NaN for the others.
+    /// The components of the traction that the scene prescribes; NaN for the others.
     pub prescribed: Vec<[f64; 2]>,
     /// Rows of the contact table.
     pub contact: Vec<ContactRow>,
@@ -49,7 +49,8 @@ pub struct Record {
     pub stochastic: Option<StochasticResult>,
     /// The grid of finite elements.
     pub on_grid: Option<GridRecord>,
-    /// The medium around the body, and a window of it; of a result that was read its fields are in the file alone.
+    /// The medium around the body and a window of it. None without a medium, and for a result that was read: its fields
+    /// are in the file alone.
     pub around: Option<(Around, Window)>,
 }
 

@@ -13,14 +13,14 @@ pub(crate) use self::saved_outcomes::stochastic;
 pub use self::saved_outcomes::{SavedOutcomes, copy_outcomes};
 use crate::steps;
 
-/// `/steps/NNN`, made when it is not there.
+/// `/steps/NNN`, created if missing.
 pub(crate) fn step_group(file: &File, number: usize) -> Result<Group, IoError> {
     let steps = if file.link_exists("steps") { open_group(file, "steps")? } else { create_group(file, "steps")? };
     let name = steps::name(number);
     if steps.link_exists(&name) { open_group(&steps, &name) } else { create_group(&steps, &name) }
 }
 
-/// Its `matrices`, made when they are not there.
+/// The group `matrices` of a step, created if missing.
 fn matrices(step: &Group) -> Result<Group, IoError> {
     if step.link_exists("matrices") { open_group(step, "matrices") } else { create_group(step, "matrices") }
 }
@@ -30,7 +30,7 @@ const CONTACT: &str = "contact_problem";
 const STABILISATION: &str = "stabilisation";
 const BASIS: &str = "basis";
 
-/// What is stored of every step besides its result.
+/// Stages of every step that are stored besides its result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Saved {
     /// All matrices from which contact is condensed, as `/steps/NNN/matrices`.
@@ -41,21 +41,21 @@ pub enum Saved {
     Stabilisation,
     /// The multiscale basis of a grid, as `/steps/NNN/basis`.
     Basis,
-    /// All outcomes of random input, the bases and masses of stochastic cells and eigenpairs of random fields, in `/stochastic`: of
-    /// the run, not of a step.
+    /// All outcomes of random input, the bases and mass matrices of stochastic cells and eigenpairs of random fields,
+    /// in `/stochastic`. They belong to the run, not to a step.
     Stochastic,
 }
 
-/// All of it.
+/// All of them.
 pub const SAVED: [Saved; 5] = [Saved::Matrices, Saved::Contact, Saved::Stabilisation, Saved::Basis, Saved::Stochastic];
 
-/// The groups of a step that have it.
+/// The groups of a step with saved stages.
 pub(crate) fn groups() -> impl Iterator<Item = &'static str> {
     SAVED.into_iter().filter_map(Saved::group)
 }
 
 impl Saved {
-    /// The group of a step that it is stored in; none of what belongs to the run.
+    /// The group of a step in which it is stored; None if it belongs to the run.
     pub(crate) fn group(self) -> Option<&'static str> {
         Some(match self {
             Self::Stochastic => return None,
@@ -66,7 +66,7 @@ impl Saved {
         })
     }
 
-    /// Whether it is of this stage; none is of progress.
+    /// Whether `self` asks for this stage; nothing asks for progress.
     fn is_of(self, stage: &Stage<'_>) -> bool {
         match stage {
             Stage::Progress(..) => false,
@@ -91,7 +91,7 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>, saved: &[Saved]
     const DISPLACEMENT: &str = "displacement unknown: nodes in the order of /solution/points, component fastest";
     match stage {
         Stage::Operators(0, operators) => save(&step, "matrices", *operators),
-        // bodies behind the first one in groups of their own
+        // each body after the first has a group of its own
         Stage::Operators(body, operators) => save(&matrices(&step)?, &format!("body_{body}"), *operators),
         Stage::Steklov(body, s) => {
             let meaning = label(
@@ -134,12 +134,12 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>, saved: &[Saved]
     }
 }
 
-/// Takes an entry away, if it is there.
+/// Removes an entry, if it is there.
 pub(crate) fn unlink(group: &Group, name: &str) -> Result<(), IoError> {
     if group.link_exists(name) { group.unlink(name).map_err(|e| invalid(group, name, e.to_string())) } else { Ok(()) }
 }
 
-/// Copies what is saved of the first steps of another file, as far as it has them; `number` is that of these steps.
+/// Copies the saved stages of the first `number` steps from another file, as far as they are there.
 ///
 /// # Errors
 /// When one of the files cannot be read or written.

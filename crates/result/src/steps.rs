@@ -64,7 +64,7 @@ fn save_tips(at: &Group, tips: &[Tip]) -> Result<(), IoError> {
     save_table(at, "tips", &rows, meaning, &["tip", columns])
 }
 
-/// Where transitions are believed to be.
+/// The located transitions.
 fn save_transitions(at: &Group, located: &[Located]) -> Result<(), IoError> {
     let row = |t: &Located| {
         let (edge, kind, curvature) = (t.edge as f64, kind_number(t.kind) as f64, t.curvature.unwrap_or(-1.0));
@@ -136,7 +136,7 @@ pub(crate) fn load_all(file: &File, scene: &Scene) -> Result<Vec<Step<BoundaryEl
 /// The groups of all steps, at least one, in their order.
 ///
 /// # Errors
-/// A file without steps, or with others than 0, 1, 2, ...
+/// A file without steps, or whose steps are not 0, 1, 2, ...
 pub(crate) fn groups(file: &File) -> Result<Vec<Group>, IoError> {
     let steps = open_group(file, "steps")?;
     let mut names = steps.member_names().map_err(|e| invalid(&steps, "", e.to_string()))?;
@@ -151,10 +151,10 @@ pub(crate) fn groups(file: &File) -> Result<Vec<Group>, IoError> {
     names.iter().map(|name| open_group(&steps, name)).collect()
 }
 
-/// The unknown displacements and the mesh of each step; none on a grid.
+/// The number of displacement unknowns and the mesh of each step; no entry on a grid.
 ///
 /// # Errors
-/// A file without steps, or with others than 0, 1, 2, ...
+/// A file without steps, or whose steps are not 0, 1, 2, ...
 pub fn meshes(file: &File) -> Result<Vec<(usize, Mesh)>, IoError> {
     let load = |at: &Group| {
         let dofs = load_integers(at, "dofs")?;
@@ -200,7 +200,7 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
     let residuals = if group.link_exists(ON_BOUNDARY[0].0) {
         let mut columns = Vec::new();
         for (name, _) in ON_BOUNDARY {
-            // files of before have no term of held displacements
+            // older files have no term of held displacements
             columns.push(if group.link_exists(name) { column(name)? } else { vec![0.0; elements] });
         }
         (0..elements).map(|e| Residual::of_terms(e, [0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(|k| columns[k][e]))).collect()
@@ -230,7 +230,7 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
 
 /// A whole number, not negative.
 fn whole(at: &Group, name: &str, number: f64) -> Result<usize, IoError> {
-    let whole = number as usize; // NaN becomes 0, and large numbers the largest
+    let whole = number as usize; // NaN becomes 0, and large numbers become the largest usize
     if whole as f64 == number { Ok(whole) } else { Err(invalid(at, name, format!("{number} is no edge"))) }
 }
 

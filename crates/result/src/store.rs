@@ -29,7 +29,7 @@ use crate::record::Record;
 use crate::stages::{groups, step_group, stochastic, unlink};
 use crate::steps;
 
-/// Why a run that is stored has no result.
+/// Why a stored run has no result.
 pub struct Unsolved(pub SolveError);
 
 impl From<SolveError> for Unsolved {
@@ -44,12 +44,12 @@ impl From<IoError> for Unsolved {
     }
 }
 
-/// The error of a run that is observed by what stores it.
+/// The error of a run whose observer stores it and failed.
 pub fn observed(error: IoError) -> SolveError {
     SolveError::Observer(Box::new(error))
 }
 
-/// Steps on their way into a new file: written in their order, each by a thread that has nothing else to do.
+/// Queue of steps to write into a new file, in their order, each by a thread that has nothing else to do.
 pub struct StepQueue<'a, M: Keep> {
     file: &'a File,
     waiting: Mutex<VecDeque<Step<M>>>,
@@ -67,16 +67,16 @@ impl<'a, M: Keep> StepQueue<'a, M> {
         lock(&self.waiting).push_back(step);
     }
 
-    /// Writes the first of the steps that wait; none after an error.
+    /// Writes the first waiting step; nothing after an error.
     pub fn write_next(&self) {
-        let mut written = lock(&self.written); // taken first: the order of the file is that of the queue
+        let mut written = lock(&self.written); // locked first: steps are written in the order of the queue
         let Some(step) = lock(&self.waiting).pop_front() else { return };
         if let Ok(number) = *written {
             *written = step_group(self.file, number).and_then(|at| M::save_step(&at, &step)).map(|()| number + 1);
         }
     }
 
-    /// Whether all went well.
+    /// Checks that all steps were written.
     ///
     /// # Errors
     /// When the file could not be written.
@@ -85,7 +85,7 @@ impl<'a, M: Keep> StepQueue<'a, M> {
     }
 }
 
-/// A thread that panicked ends the program: what it left is not read.
+/// A thread that panicked ends the program, so nobody reads its partial data.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -124,10 +124,10 @@ pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoErro
     }
     match &record.stochastic {
         Some(result) => outcomes::write(&stochastic(file)?, result)?,
-        // what is saved of outcomes that were stopped
+        // saved outcomes of a run that was stopped
         None => unlink(file, "stochastic")?,
     }
-    // the matrices of a step that was stopped
+    // saved stages of a step that was stopped
     unlink(file, &format!("/steps/{}", steps::name(count)))?;
     for name in groups().filter(|name| file.link_exists(&format!("{last}/{name}"))) {
         let of_step = format!("{last}/{name}");
@@ -165,9 +165,9 @@ fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
     probes::save(at, &record.summary)
 }
 
-/// The name of a side as one of a group that has none like it.
+/// A name for a side in a group, different from all names in it.
 pub(crate) fn unused_name(at: &Group, side: &str) -> String {
-    // HDF5 takes a slash for a path and a point for the group itself
+    // in HDF5 a slash separates a path and a point is the group itself
     let mut name = if side == "." { "_".into() } else { side.replace('/', "_") };
     while at.link_exists(&name) {
         name.push('_');
@@ -175,7 +175,6 @@ pub(crate) fn unused_name(at: &Group, side: &str) -> String {
     name
 }
 
-/// `/bodies/NAME`: the part of mesh and solution of each of several bodies.
 /// A group for each residual estimator that applies.
 fn save_estimators(at: &Group, estimators: &Estimators) -> Result<(), IoError> {
     let norm = "(force*length/thickness)^(1/2)";
@@ -192,6 +191,7 @@ fn save_estimators(at: &Group, estimators: &Estimators) -> Result<(), IoError> {
     Ok(())
 }
 
+/// `/bodies/NAME`: the part of mesh and solution of each of several bodies.
 fn save_bodies(file: &File, record: &Record) -> Result<(), IoError> {
     if record.summary.bodies.is_empty() {
         return Ok(());
@@ -320,13 +320,13 @@ fn load_contact(at: &Group) -> Result<Vec<ContactRow>, IoError> {
     Ok((0..n).map(row).collect())
 }
 
-/// Why the run of a result file ended before it was done, if it did; None too of what is no result file.
+/// Why the run of a result file ended before it was done; None if it was done, or if the file is no result file.
 pub fn unfinished(path: &Path) -> Option<String> {
     let summary: Summary = parse(&open(path).ok()?, "summary").ok()?;
     (!summary.converged).then_some(summary.reason)
 }
 
-/// Reads what `show` needs, and checks that the parts fit.
+/// Reads the record that `show` needs, and checks that its parts fit.
 ///
 /// # Errors
 /// A file that is not one of this program's, truncated or altered.
@@ -344,7 +344,7 @@ pub fn read(file: &File) -> Result<Record, IoError> {
     let traction = load_points(&solution, "traction")?;
     let prescribed = match solution.link_exists("traction_prescribed") {
         true => load_points(&solution, "traction_prescribed")?,
-        false => vec![[f64::NAN; 2]; traction.len()], // files of before
+        false => vec![[f64::NAN; 2]; traction.len()], // older files
     };
     let lengths = [traction_points.len(), traction_element.len(), prescribed.len()];
     if points.len() != displacement.len() || lengths != [traction.len(); 3] {
@@ -399,8 +399,8 @@ fn read_stochastic(file: &File, nodes: usize, conditions: usize) -> Result<Stoch
     Ok(result)
 }
 
-/// Whether a file holds the result of a scene with this text. `differing` names the key in which the scene of other overrides
-/// differs, the tolerance and the limits apart.
+/// Whether a file holds the result of a scene with this text. `differing` takes the stored overrides and names a key in
+/// which their scene differs, other than the tolerance and the limits.
 ///
 /// # Errors
 /// The result of another scene.

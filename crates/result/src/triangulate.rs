@@ -7,7 +7,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 use steklov_bem_operators::distance_to_segment;
 use steklov_elastic::plane::{cross, distance};
 
-/// Least distance of a lattice point from the boundary, in units of the spacing.
+/// Smallest distance of a lattice point from the boundary, in units of the spacing.
 const CLEARANCE: f64 = 0.45;
 
 /// Area of the body that one lattice point stands for, in units of the spacing squared: √3/2.
@@ -62,10 +62,10 @@ pub enum TriangulationError {
 /// Fills the polygon with about `target_points` points.
 ///
 /// `edges` are (start, end, loop): straight edges in traversal order with the body to the left (outer boundary
-/// counter-clockwise, holes clockwise), loop after loop. Every corner becomes a point, an edge of length ℓ gets
-/// max(1, round(ℓ/h)) equal segments, and h is chosen such that boundary and lattice together count about
-/// `target_points`; a polygon whose corners alone are more gets half of `target_points` besides them.
-/// Any unit of length: only ratios of lengths matter.
+/// counter-clockwise, holes clockwise), loop after loop. Every corner becomes a point, an edge of length ℓ gets max(1,
+/// round(ℓ/h)) equal segments, and h is chosen such that boundary and lattice together count about `target_points`; a
+/// polygon with more corners than half of `target_points` gets that half besides them. Any unit of length: only ratios
+/// of lengths matter.
 ///
 /// # Errors
 /// [`TriangulationError`] if a corner is not finite, a loop does not close, the area is not positive, or edges cross.
@@ -200,8 +200,8 @@ fn lattice(edges: &[([f64; 2], [f64; 2])], h: f64) -> Vec<[f64; 2]> {
     points
 }
 
-/// Constrained Delaunay triangles inside the outline: those that an odd number of boundary segments separates from
-/// the outer face.
+/// Constrained Delaunay triangles inside the outline: an odd number of boundary segments separates them from the outer
+/// face.
 fn delaunay(points: Vec<[f64; 2]>, outline: &[[usize; 2]]) -> Result<Vec<[usize; 3]>, TriangulationError> {
     // spade refuses coordinates below 1e-43; on the unit body they are zero.
     let snap = |v: f64| if v.abs() < 1e-30 { 0.0 } else { v };

@@ -16,7 +16,7 @@ fn doubled_area(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     cross(minus(b, a), minus(c, a))
 }
 
-/// Everything that must hold for any polygon with `holes` holes; returns the triangulation.
+/// Checks all properties that hold for any polygon with `holes` holes; returns the triangulation.
 fn judge(edges: &[Edge], target: usize, holes: usize) -> Triangulation {
     let t = triangulate(edges, target).unwrap();
     let p = &t.points;
@@ -28,7 +28,7 @@ fn judge(edges: &[Edge], target: usize, holes: usize) -> Triangulation {
     let areas: Vec<f64> = t.triangles.iter().map(|&[i, j, k]| doubled_area(p[i], p[j], p[k]) / 2.0).collect();
     assert!(areas.iter().all(|&a| a > 0.0), "smallest area {:e}", areas.iter().copied().fold(f64::INFINITY, f64::min));
     let area: f64 = areas.iter().sum();
-    // The second term is the rounding of the points themselves, which a thin body sees.
+    // The second term is the rounding of the points themselves, which matters in a thin body.
     let size = bounding_box(edges).1;
     assert!((area - exact).abs() <= 1e-12 * scale + f64::EPSILON * size * size, "area {area}, polygon {exact}");
 

@@ -1,25 +1,25 @@
-//! What is stored and shown of a body on a grid.
+//! The stored and shown data of a body on a grid.
 
 use steklov_io::vtkhdf::{Field, Grid as VtkGrid};
 use steklov_model::grid::{GridSolved, OnGrid};
 use steklov_model::run::adaptive_loop::Step;
 use steklov_msfem::{CoarseMesh, HeterogeneousBody};
 
-/// The grid of a result. The cells of the body are the quadrilaterals of the result and its nodes the points, both in their
-/// order.
+/// The grid of a result. The cells of the body are the quadrilaterals of the result and its nodes are the points, in
+/// the same order.
 #[derive(Debug, Clone)]
 pub struct GridRecord {
     /// Fine cells, moduli, Poisson's ratio.
     pub body: HeterogeneousBody,
-    /// Coarse cells; None of bilinear elements on the fine grid.
+    /// Coarse cells; None for bilinear elements on the fine grid.
     pub coarse: Option<CoarseMesh>,
-    /// Displacement of the coarse vertices (length), those that hang included.
+    /// Displacement of the coarse vertices (length), hanging ones included.
     pub vertex_displacement: Vec<[f64; 2]>,
     /// The steps.
     pub steps: Vec<Step<OnGrid>>,
 }
 
-/// What is kept of a solved grid.
+/// The record of a solved grid.
 pub(crate) fn grid_record(solved: &GridSolved, steps: Vec<Step<OnGrid>>) -> GridRecord {
     let coarse = solved.coarse.as_ref();
     GridRecord {
@@ -40,7 +40,7 @@ pub(crate) fn vtk(solved: &GridSolved) -> VtkGrid {
         let nodes = grid.cell_nodes(cell);
         [nodes[side], nodes[(side + 1) % 4]]
     });
-    // lines have the values of the cells inside of them
+    // lines have the values of the cells beside them
     let cells: Vec<usize> = boundary.iter().map(|(cell, _)| *cell).chain(grid.body_cells()).collect();
     let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
         name: name.into(),

@@ -14,7 +14,7 @@ use super::record::GridRecord;
 
 /// Boundary elements of the medium around the body.
 const AROUND: &str = "boundary_elements";
-/// What is left of the equations between body and medium.
+/// Residuals of the equations between body and medium.
 const INTERFACE: &str = "interface";
 const IN_CELLS: &str = "cell_residuals";
 const JUMP: &str = "interface_jump";
@@ -36,7 +36,7 @@ fn load_cells(at: &Group) -> Result<Vec<CoarseCell>, IoError> {
         let mut numbers = [0; 4];
         for (j, number) in numbers.iter_mut().enumerate() {
             let value = table[(i, j)];
-            *number = value as usize; // NaN becomes 0, and large numbers the largest
+            *number = value as usize; // NaN becomes 0, and large numbers become the largest usize
             if *number as f64 != value || value > f64::from(u32::MAX) {
                 return Err(invalid(at, "coarse_cells", format!("{value} is no number of cells")));
             }
@@ -175,7 +175,7 @@ fn load_body(at: &Group, fields: &vtkhdf::Grid) -> Result<HeterogeneousBody, IoE
     }
     let grid = Grid::new(pair("origin")?, pair("spacing")?, [nx, ny], |ix, iy| rows[ix * ny + iy] > 0)
         .map_err(|e| invalid(at, "rows", e))?;
-    // those of the medium around the body follow
+    // points and triangles of the medium around the body follow
     let same = grid.nodes() <= fields.points.len()
         && fields.triangles.iter().flatten().all(|&corner| corner >= grid.nodes())
         && grid.body_cells().zip(1..).all(|(cell, row)| rows[cell] == row)
@@ -236,7 +236,7 @@ fn load_step(at: &Group) -> Result<Step<OnGrid>, IoError> {
     })
 }
 
-/// The estimate of a step that has one, of so many coarse cells.
+/// The estimate of a step that has one, on `cells` coarse cells.
 fn load_estimate(at: &Group, cells: usize) -> Result<GridEstimate, IoError> {
     let terms = load_vector(at, "estimate_terms")?;
     // earlier files have no medium

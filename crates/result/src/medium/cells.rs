@@ -1,15 +1,15 @@
-//! The medium as cells of `/VTKHDF`, beside those of the body.
+//! The cells of the medium in `/VTKHDF`, beside those of the body.
 
 use steklov_io::vtkhdf::{Field, Grid};
 use steklov_model::solve::medium::Around;
 
 use super::Window;
 
-/// The cell field that tells body and medium apart.
+/// The cell field that distinguishes body and medium.
 const REGION: &str = "region";
 
-/// Adds the triangles of a window of the medium after those of the body, and the cell field `region`: 0 of the body, 1 of the
-/// medium. A field of points gets the medium's values at its points, one of cells the means of the corners.
+/// Adds the triangles of a window of the medium after those of the body, and the cell field `region`: 0 of the body, 1
+/// of the medium. A point field gets the medium's values at its points, a cell field the means over the corners.
 pub(crate) fn add_medium(grid: &mut Grid, around: &Around, window: &Window) {
     let first = grid.points.len();
     // cells are lines, triangles, quadrilaterals

@@ -1,4 +1,4 @@
-//! The unbounded medium around a body: its solution, a window of it for pictures, what is stored of it.
+//! The unbounded medium around a body: its solution, a window of it for pictures, its stored data.
 //!
 //! ```text
 //! Scene (jumps, remote stress) ─► Transmission, or Outside of the body ─► Around ─► Window (points, displacement, stress)

@@ -8,10 +8,10 @@ use steklov_model::solve::medium::Around;
 use crate::body_grid::chords;
 use crate::triangulate::{Triangulation, triangulate};
 
-/// Distance of the window's sides from the body, in diameters of it.
+/// Distance of the window's sides from the body, in diameters of the body.
 const MARGIN: f64 = 1.0;
 
-/// Points of the window, about.
+/// Approximate number of points of the window.
 const POINTS: usize = 4000;
 
 /// The medium in a rectangle around the body.
@@ -25,7 +25,7 @@ pub struct Window {
     pub values: Vec<([f64; 2], [f64; 3])>,
 }
 
-/// The medium around the outer loop of a body; without triangles where its outline cannot be triangulated.
+/// The medium around the outer loop of a body; without triangles if the outline cannot be triangulated.
 pub(crate) fn window(body: &Polygon, around: &Around) -> Window {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let interface: Vec<_> = body.traversal(0).into_iter().flat_map(|k| chords(body, k)).collect();

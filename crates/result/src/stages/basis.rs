@@ -1,4 +1,4 @@
-//! The multiscale basis of a step, and what takes coarse unknowns to fine ones.
+//! The multiscale basis of a step, and the matrix that maps coarse unknowns to fine ones.
 
 use faer::Mat;
 use steklov_io::{

@@ -15,30 +15,30 @@ use super::unlink;
 const OUTCOMES: &str = "outcomes";
 const CELLS: &str = "cells";
 const EIGENPAIRS: &str = "eigenpairs";
-/// Operations for which a mass matrix with the modulus is made.
+/// Largest number of operations for which a mass matrix with the modulus is computed.
 const WORK: f64 = 2e9;
-/// Values of the modes of a field at points of integration that are stored, at most: 160 MB.
+/// Largest number of stored values of the modes of a field at points of integration: 160 MB.
 const MODES: usize = 20_000_000;
 
-/// Outcomes on their way into `/stochastic`, block by block.
+/// Writes outcomes into `/stochastic`, block by block.
 pub struct SavedOutcomes<'a> {
     file: &'a File,
-    /// Displacement, pressure and shear, and the number of outcomes in them.
+    /// Tables of displacement, pressure and shear, and their number of outcomes.
     tables: Option<([Rows; 3], usize)>,
 }
 
-/// `/stochastic`, made when it is not there.
+/// `/stochastic`, created if missing.
 pub(crate) fn stochastic(file: &File) -> Result<Group, IoError> {
     if file.link_exists("stochastic") { open_group(file, "stochastic") } else { create_group(file, "stochastic") }
 }
 
 impl<'a> SavedOutcomes<'a> {
-    /// None yet.
+    /// No outcome yet.
     pub fn new(file: &'a File) -> Self {
         Self { file, tables: None }
     }
 
-    /// Stores what outcomes hand over.
+    /// Stores a stage of the outcomes.
     ///
     /// # Errors
     /// When the file cannot be written, or the modulus of an outcome is impossible.
@@ -131,7 +131,7 @@ fn save_eigenpairs(at: &Group, name: &str, field: &Field) -> Result<(), IoError>
     save_dense(at, "modes", table.as_ref(), &label("1", meaning, &["point", "mode"]))
 }
 
-/// The basis of a cell, its masses and the integration that makes them.
+/// The basis of a cell, its mass matrices and their quadrature.
 fn save_cell(at: &Group, basis: &CellBasis, modulus: Option<&Modulus<'_>>) -> Result<(), IoError> {
     let failed = |name: &str, e: &StochasticError| invalid(at, name, e.to_string());
     save(at, "basis", basis)?;
@@ -167,7 +167,7 @@ fn save_cell(at: &Group, basis: &CellBasis, modulus: Option<&Modulus<'_>>) -> Re
     save_dense(at, "M_E", mass.as_ref(), &label("1", meaning, nodes))
 }
 
-/// Products of the points of the axes, those of the last one fastest.
+/// Tensor product of the points of the axes; the last axis runs fastest.
 fn all_points(axes: &[(steklov_quadrature::Rule, Mat<f64>)]) -> Vec<Vec<f64>> {
     axes.iter().fold(vec![vec![]], |points, (rule, _)| {
         let next = |x: &Vec<f64>| -> Vec<Vec<f64>> { rule.points.iter().map(|t| [&x[..], &[*t]].concat()).collect() };
@@ -175,7 +175,7 @@ fn all_points(axes: &[(steklov_quadrature::Rule, Mat<f64>)]) -> Vec<Vec<f64>> {
     })
 }
 
-/// Copies what is saved of outcomes from another file, where this file has none of it and the same points on the same mesh.
+/// Copies the saved outcomes from another file if this file has none, but the same points and as many steps.
 ///
 /// # Errors
 /// When one of the files cannot be read or written.

@@ -1,4 +1,4 @@
-//! Stabilised multipliers of a step, and the equations they obey.
+//! Stabilised multipliers of a step and their equations.
 
 use steklov_contact::ContactNode;
 use steklov_io::{

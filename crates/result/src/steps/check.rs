@@ -1,4 +1,4 @@
-//! Whether the steps of a file are steps of a scene: a file may come from anywhere.
+//! Checks that the steps of a file are steps of a scene, because a file may come from anywhere.
 
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
 use steklov_contact::TipKind;
@@ -39,7 +39,7 @@ pub(super) fn check(at: &Group, step: &Step<BoundaryElements>, scene: &Scene) ->
     Ok(())
 }
 
-/// A place on an edge in contact.
+/// Checks that a place is on an edge in contact.
 fn check_place(at: &Group, name: &str, row: usize, (edge, s): (usize, f64), scene: &Scene) -> Result<(), IoError> {
     let edges = scene.problem.outline.edges();
     let Some(found) = edges.get(edge) else {
@@ -54,7 +54,7 @@ fn check_place(at: &Group, name: &str, row: usize, (edge, s): (usize, f64), scen
     Ok(())
 }
 
-/// The elements of every edge follow each other from 0 to 1, and make this mesh.
+/// Checks that the elements of every edge cover it from 0 to 1 in order, and make this mesh.
 fn check_mesh(at: &Group, mesh: &Mesh, scene: &Scene) -> Result<(), IoError> {
     let edges = scene.problem.outline.edges().len();
     if let Some((e, edge)) = mesh.edge.iter().enumerate().find(|(_, edge)| **edge >= edges) {
