@@ -17,8 +17,8 @@ use crate::probe;
 use crate::stochastic;
 use crate::view::{Scalar, Unit, View};
 
-/// Draws the deformed body, each contact side, what the scene asks for along lines and sides, and what belongs to a grid or to random
-/// input into a folder, beside the tables of lines and sides; returns the files.
+/// Draws the deformed body, each contact side, the probes along lines and sides, and the pictures of a grid or of
+/// random input into a folder, and writes the tables of lines and sides; returns the files.
 ///
 /// # Errors
 /// When a file cannot be drawn or written.
@@ -34,15 +34,15 @@ pub fn pictures(stored: &Record, view: &View, folder: &Path, name: &str) -> Resu
     Ok(files)
 }
 
-/// Writes a table into a folder that is there.
+/// Writes a table into an existing folder.
 fn save_table(folder: &Path, name: &str, text: &str) -> std::io::Result<PathBuf> {
     let path = folder.join(format!("{name}.csv"));
     replace(folder, &path, text.as_bytes())?;
     Ok(path)
 }
 
-/// The same pictures with the parts of their names: `body`, `medium`, `contact-SIDE`, `probe-line-K`, `probe-side-SIDE`, those of a
-/// grid, those of random input.
+/// The same pictures with the parts of their names: `body`, `medium`, `contact-SIDE`, `probe-line-K`,
+/// `probe-side-SIDE`, and the names of pictures of a grid and of random input.
 ///
 /// # Errors
 /// When one cannot be drawn.
@@ -77,7 +77,7 @@ pub fn contact_pictures(
     Ok(files)
 }
 
-/// Pictures of contact sides by their names in files.
+/// Pictures of contact sides with the parts of their file names.
 fn contact_drawn(
     title: &str,
     units: &Units,
@@ -94,7 +94,7 @@ fn contact_drawn(
     Ok(all)
 }
 
-/// The name of a side as a part of a file name that no other side has.
+/// The name of a side as a part of a file name, different for each side.
 pub fn side_file(side_names: &[impl AsRef<str>], side: usize) -> String {
     let part = file_name(side_names[side].as_ref());
     if side_names[..side].iter().any(|other| file_name(other.as_ref()) == part) {
@@ -188,8 +188,8 @@ pub(crate) fn units(stored: &Record, scalar: Scalar) -> [Option<&str>; 2] {
     [length, of_scalar].map(|name| name.as_deref())
 }
 
-/// Points of contact sides and gap vectors g n there, one list of each for each stretch: a rigid obstacle is the line through the sums.
-/// Other bodies are no obstacles.
+/// Points x of contact sides and gap vectors g n, one list of each for each stretch: a rigid obstacle is the line
+/// through x + g n. Other bodies are no obstacles.
 pub fn obstacles(stored: &Record) -> [Lines; 2] {
     let joined: Vec<&String> = stored.summary.interfaces.iter().flat_map(|i| &i.sides[0]).collect();
     let is_wall = |row: &&ContactRow| !joined.contains(&&stored.mesh.side_names[row.side]);
@@ -197,7 +197,7 @@ pub fn obstacles(stored: &Record) -> [Lines; 2] {
     walls(&of_walls)
 }
 
-/// The largest displacement of the nodes, which are closer where it matters than the points that are drawn.
+/// The largest displacement of the nodes, which are denser than the drawn points where it matters.
 pub(crate) fn largest_displacement(stored: &Record) -> f64 {
     stored.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max)
 }
@@ -221,7 +221,7 @@ fn stretches(rows: &[ContactRow]) -> Vec<Vec<ContactRow>> {
         let continues = stretches.last().and_then(|s| s.last()).is_some_and(|last| {
             let along = minus(row.point, last.point);
             let ahead = cross(last.normal, along);
-            // equal up to the rounding of an oblique side's elements
+            // equal up to rounding in the elements of an oblique side
             let turn = distance(last.normal, row.normal);
             turn < 1e-9 && last.side == row.side && ahead > 0.0
         });
@@ -233,7 +233,7 @@ fn stretches(rows: &[ContactRow]) -> Vec<Vec<ContactRow>> {
     stretches
 }
 
-/// What a side is drawn against: a straight horizontal or vertical one x or y, any other its arc length.
+/// The axis label and the positions of a side: x or y for a straight horizontal or vertical side, else its arc length.
 pub fn positions(side: &str, rows: &[&ContactRow]) -> (String, Vec<f64>) {
     let same =
         |i: usize| rows.iter().all(|r| (r.point[i] - rows[0].point[i]).abs() < 1e-12 * r.point[i].abs().max(1.0));
@@ -253,8 +253,8 @@ pub fn positions(side: &str, rows: &[&ContactRow]) -> (String, Vec<f64>) {
     }
 }
 
-/// Of a closed side that touches where its arc length begins, the part behind the middle of the longest open stretch gets negative
-/// arc lengths, so that the contact is in one piece.
+/// If a closed side touches where its arc length begins, the part behind the middle of the longest open stretch gets
+/// negative arc lengths, so that the contact is in one piece.
 fn unroll(rows: &[&ContactRow], position: &mut [f64]) {
     let n = rows.len();
     let steps = rows.windows(2).map(|w| distance(w[0].point, w[1].point));
@@ -266,7 +266,7 @@ fn unroll(rows: &[&ContactRow], position: &mut [f64]) {
     if !is_closed || !(touches(0) || touches(n - 1)) {
         return;
     }
-    // no open stretch goes over the end
+    // no open stretch crosses the end
     let mut longest = (0, 0);
     let mut start = 0;
     for i in 0..n {
@@ -302,10 +302,10 @@ fn contact_picture(title: &str, units: &Units, side: &str, rows: &[&ContactRow])
     })
 }
 
-/// Neighbours whose distance is more than this part of the lengths that they stand for see different things.
+/// If the distance of two neighbours exceeds their weights times this, the side faces nothing between them.
 const APART: f64 = 3.0;
 
-/// Positions between stretches that see other bodies, where a side sees nothing.
+/// Positions at which a side faces nothing, between stretches that face other bodies.
 fn breaks(rows: &[&ContactRow], position: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by(|&i, &j| position[i].total_cmp(&position[j]));
@@ -354,8 +354,8 @@ pub fn tables(stored: &Record, folder: &Path, name: &str) -> std::io::Result<Vec
     Ok(files)
 }
 
-/// Tractions on the boundary: the prescribed ones where they are, as polynomials of the solution may be far from them beside a held
-/// side.
+/// Tractions on the boundary: the prescribed ones if there are any, because the polynomials of the solution may be far
+/// from them beside a held side.
 fn tractions(stored: &Record) -> Vec<[f64; 2]> {
     let told = |(given, t): (&[f64; 2], &[f64; 2])| [0, 1].map(|i| if given[i].is_nan() { t[i] } else { given[i] });
     stored.prescribed.iter().zip(&stored.traction).map(told).collect()
@@ -373,7 +373,7 @@ fn pairs(head: &str, points: &[[f64; 2]], values: &[[f64; 2]]) -> String {
 mod tests {
     use super::*;
 
-    /// Nodes of a circle with the radius 1 from the angle 0 on, which touch where `touches` says so of their angles.
+    /// Nodes of a circle of radius 1, beginning at the angle 0; a node touches if `touches` holds for its angle.
     fn circle(touches: impl Fn(f64) -> bool) -> Vec<ContactRow> {
         let angles = (0..72).map(|k| f64::from(k) * std::f64::consts::TAU / 72.0);
         let row = |angle: f64| ContactRow {
@@ -392,7 +392,7 @@ mod tests {
         angles.map(row).collect()
     }
 
-    /// Length of the shortest interval of positions with all nodes that touch.
+    /// Length of the shortest interval of positions that contains all touching nodes.
     fn extent(rows: &[ContactRow]) -> f64 {
         let rows: Vec<&ContactRow> = rows.iter().collect();
         let (_, mut position) = positions("rim", &rows);

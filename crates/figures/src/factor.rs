@@ -1,4 +1,4 @@
-//! How many times larger than they are displacements may be drawn.
+//! The largest factor at which displacements may be drawn.
 
 use steklov_elastic::plane::{cross, distance, minus, norm};
 use steklov_model::solve::contact_rows::ContactRow;
@@ -6,15 +6,15 @@ use steklov_picture::Largest;
 use steklov_result::medium::body_part;
 use steklov_result::record::Record;
 
-/// Distances and overlaps of bodies below this part of their extent are hardly seen.
+/// Distances and overlaps of bodies below this part of their extent are hardly visible.
 const HARDLY_SEEN: f64 = 4e-3;
-/// Folds as long as this part of the extent are hardly seen.
+/// Folds as long as this part of the extent are hardly visible.
 const FOLD: f64 = 1e-3;
-/// Points closer than this part of the extent are one.
+/// Points closer than this part of the extent coincide.
 const ONE: f64 = 1e-9;
 
-/// The largest factor k of displacements at which bodies that touch are seen to touch, others do not overlap, and no part of a body
-/// that is seen is folded over.
+/// The largest factor k of displacements at which touching bodies visibly touch, other bodies do not overlap, and no
+/// visible part of a body is folded over.
 pub fn largest_factor(stored: &Record) -> Largest {
     let extent = |i: usize| {
         let along = || stored.points.iter().map(|x| x[i]);
@@ -29,7 +29,7 @@ pub fn largest_factor(stored: &Record) -> Largest {
     }
 }
 
-/// Displacements close u_n of the gap g between bodies, which is drawn as g - k u_n.
+/// The largest factor for contact between bodies: displacements close u_n of the gap g, which is drawn as g - k u_n.
 fn of_contact(stored: &Record, hardly_seen: f64) -> f64 {
     let joined: Vec<&String> = stored.summary.interfaces.iter().flat_map(|i| &i.sides[0]).collect();
     let between = |row: &&ContactRow| joined.contains(&&stored.mesh.side_names[row.side]);
@@ -41,7 +41,7 @@ fn of_contact(stored: &Record, hardly_seen: f64) -> f64 {
     stored.contact.iter().filter(between).map(largest).fold(f64::INFINITY, f64::min)
 }
 
-/// Bodies that are tied with a jump w of the displacement are drawn k |w| apart.
+/// The largest factor for ties: bodies tied with a displacement jump w are drawn k |w| apart.
 fn of_ties(stored: &Record, extent: f64) -> f64 {
     let jump = |x: [f64; 2]| {
         let mut at = (0..stored.points.len()).filter(|&i| distance(stored.points[i], x) <= ONE * extent);
@@ -54,9 +54,9 @@ fn of_ties(stored: &Record, extent: f64) -> f64 {
     if largest <= ONE * extent { f64::INFINITY } else { (HARDLY_SEEN * extent / largest).max(1.0) }
 }
 
-/// Triangles of which more than the square of a length are turned over at a larger factor; flatter ones than one and a half of that are left out: of a
-/// coarse mesh displacements inside do not go on to those of the boundary. With the gradient G of the displacement on a triangle
-/// det(I + k G) = 1 + k tr G + k² det G falls to 0.
+/// The factor above which turned-over triangles have an area of more than `hardly_seen`². Triangles lower than 1.5
+/// `hardly_seen` are left out, because on a coarse mesh displacements inside do not continue those of the boundary. A
+/// triangle turns over where det(I + k G) = 1 + k tr G + k² det G falls to 0, with the gradient G of its displacement.
 fn of_folds(stored: &Record, hardly_seen: f64) -> f64 {
     let fields = &stored.grid;
     let Some(displacement) = fields.point_data.iter().find(|f| f.name == "displacement" && f.components == 3) else {
@@ -82,7 +82,7 @@ fn of_folds(stored: &Record, hardly_seen: f64) -> f64 {
     seen.map_or(f64::INFINITY, |(k, _)| *k)
 }
 
-/// The smallest k > 0 with 1 + b k + c k² = 0; infinite where there is none.
+/// The smallest k > 0 with 1 + b k + c k² = 0; infinite if there is none.
 fn first_root(b: f64, c: f64) -> f64 {
     let discriminant = b * b - 4.0 * c;
     if discriminant < 0.0 || b.is_nan() {
@@ -97,8 +97,9 @@ fn first_root(b: f64, c: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Of 1 + b k + c k²: simple shear (0, 0) and a rotation (0, 1) never fold, a compression by 1 % does at 100, one along both axes
-    /// by 1 % and 2 % at 50, and stretching one axis while the other shrinks by 1 % at 100.
+    /// Cases (b, c) of 1 + b k + c k²: simple shear (0, 0) and a rotation (0, c) never fold; a compression by 1 % folds
+    /// at 100, a compression of both axes by 1 % and 2 % at 50, and stretching one axis while the other shrinks by 1 %
+    /// at 100.
     #[test]
     fn the_first_root_is_the_smallest_positive_one() {
         for (b, c, root) in [

@@ -33,7 +33,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-// the crates of whose types the interface is made
+// the crates whose types are in the interface
 pub use {steklov_picture, steklov_result};
 
 mod draw;

@@ -12,16 +12,17 @@ use crate::draw::side_file;
 /// A curve: its name, and its value at a point.
 type Curve<T> = (&'static str, fn(&T) -> f64);
 
-/// Part of the length about a point of infinite stress on which no stress is drawn: all else would look like zero beside it.
+/// Part of the length around a point of infinite stress on which no stress is drawn, because all other values would
+/// look like zero beside it.
 const NEAR: f64 = 0.01;
 
 /// A point of a line or side.
 trait Along {
-    /// Length up to it.
+    /// Length up to the point.
     fn s(&self) -> f64;
-    /// Whether stresses are infinite there.
+    /// Whether stresses are infinite at the point.
     fn is_unbounded(&self) -> bool;
-    /// Whether curves go on from it to the next one.
+    /// Whether curves continue to the next point.
     fn joins(&self, next: &Self) -> bool;
 }
 
@@ -135,7 +136,7 @@ fn chart<T: Along>(
     panels(&title, &[of_stresses, panel("displacement", &units.length, displacements, &|_| false)])
 }
 
-/// A table of each line and side that the scene names, with the parts of their names as [`pictures`] has them; cells without a
+/// A table of each line and side that the scene names, with the same parts of names as in [`pictures`]; cells without a
 /// number are empty.
 pub(crate) fn tables(stored: &Record) -> Vec<(String, String)> {
     let lines = (1..).zip(&stored.summary.probe_lines).map(|(k, line)| (format!("probe-line-{k}"), line_table(line)));

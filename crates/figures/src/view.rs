@@ -1,21 +1,21 @@
-//! What of a result the pictures show.
+//! The part of a result that pictures show.
 
 use steklov_elastic::plane::norm;
 use steklov_elastic::principal;
 use steklov_picture::Colours;
 
-/// What the pictures of fields show; the default is all of the body by its von Mises stress.
+/// The content of pictures of fields; the default is the whole body, coloured by von Mises stress.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct View {
-    /// What the body is coloured by.
+    /// The field that colours the body.
     pub scalar: Scalar,
-    /// Values of the outer colours, the smaller one first, in the unit of the field; those beyond have the colour of their
-    /// end. None: those that the field takes.
+    /// Values of the outer colours, the smaller one first, in the unit of the field; values beyond an end have its
+    /// colour. None: the picture chooses them from the field.
     pub range: Option<[f64; 2]>,
-    /// Lower left and upper right corner of the part of the undeformed body that is shown; of cells those that it meets. None:
-    /// all.
+    /// Lower left and upper right corner of the part of the undeformed body that is shown; on a grid, the cells that
+    /// meet it. None: all.
     pub window: Option<[[f64; 2]; 2]>,
-    /// Factor > 0 at which displacements are drawn, 1 to scale. None: one that makes them visible.
+    /// Factor > 0 at which displacements are drawn, 1 to scale. None: the picture chooses one that makes them visible.
     pub enlarge: Option<f64>,
     /// Whether fields on grids are drawn without the lines of coarse cells.
     pub hides_cells: bool,
@@ -32,7 +32,7 @@ impl View {
     }
 }
 
-/// A number of displacement u and stress σ at a point.
+/// A scalar of displacement u and stress σ at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scalar {
     /// Von Mises stress.
@@ -46,7 +46,7 @@ pub enum Scalar {
     Xy,
     /// The larger principal stress in the plane, σ_1.
     Principal1,
-    /// The smaller one, σ_2.
+    /// The smaller principal stress in the plane, σ_2.
     Principal2,
     /// u_x.
     DisplacementX,
@@ -56,17 +56,17 @@ pub enum Scalar {
     Displacement,
 }
 
-/// The unit of a number.
+/// The unit of a scalar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
-    /// That of E.
+    /// The unit of E.
     Stress,
-    /// That of coordinates.
+    /// The unit of coordinates.
     Length,
 }
 
 impl Scalar {
-    /// All of them.
+    /// All scalars.
     pub const ALL: [Self; 9] = [
         Self::VonMises,
         Self::Xx,
@@ -79,7 +79,7 @@ impl Scalar {
         Self::Displacement,
     ];
 
-    /// Its word on the command line, what it is called in pictures, its unit, and whether it may have either sign.
+    /// Its word on the command line, its label in pictures, its unit, and whether it may have either sign.
     const fn facts(self) -> (&'static str, &'static str, Unit, bool) {
         match self {
             Self::VonMises => ("von-mises", "von Mises stress", Unit::Stress, false),
@@ -104,7 +104,7 @@ impl Scalar {
         Self::ALL.into_iter().find(|scalar| scalar.name() == name)
     }
 
-    /// What it is called in pictures, with its symbol.
+    /// Its label in pictures, with its symbol.
     pub const fn label(self) -> &'static str {
         self.facts().1
     }
@@ -119,7 +119,7 @@ impl Scalar {
         self.facts().3
     }
 
-    /// What it is a number of.
+    /// Noun for its values in a sentence.
     pub(crate) const fn noun(self) -> &'static str {
         match self.unit() {
             Unit::Stress => "stress",
@@ -127,7 +127,7 @@ impl Scalar {
         }
     }
 
-    /// Its value for u, `[σ_xx, σ_yy, σ_xy]` and the von Mises stress of these, which depends on the material.
+    /// Its value for u, `[σ_xx, σ_yy, σ_xy]` and their von Mises stress, which depends on the material.
     pub fn of(self, u: [f64; 2], stress: [f64; 3], von_mises: f64) -> f64 {
         match self {
             Self::VonMises => von_mises,

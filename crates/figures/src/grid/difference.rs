@@ -1,4 +1,4 @@
-//! Where the stresses of two results on grids differ.
+//! The difference of the stresses of two results on grids.
 
 use steklov_picture::{Colours, Picture, PictureError, in_unit};
 use steklov_result::record::Record;
@@ -8,18 +8,19 @@ use super::shown_cells;
 use crate::draw::units;
 use crate::view::Scalar;
 
-/// The difference of the von Mises stress of a result to that of another one, on the cells of the first.
+/// The difference of the von Mises stresses of two results, on the cells of the first.
 pub struct Difference {
-    /// On each cell of the bounding box: the value of the first less the mean of the other over the cell; NaN outside of the body.
+    /// On each cell of the bounding box: the value of the first result minus the mean of the other over the cell; NaN
+    /// outside of the body.
     pub values: Vec<f64>,
     /// Its root mean square over the cells.
     pub root_mean_square: f64,
-    /// That of the other stress itself.
+    /// Root mean square of the other stress itself.
     pub of_stress: f64,
 }
 
-/// Compares two results on grids; None if the other's cells do not divide those of the first into equal parts, of the same
-/// rectangle.
+/// Compares two results on grids; None unless both have the same rectangle and the other's cells divide the cells of
+/// the first into equal parts.
 pub fn difference(first: &Record, other: &Record) -> Option<Difference> {
     let (grid, finer) = (&first.on_grid.as_ref()?.body.grid, &other.on_grid.as_ref()?.body.grid);
     let [fine, coarse] = [other, first].map(|record| {
@@ -50,7 +51,7 @@ pub fn difference(first: &Record, other: &Record) -> Option<Difference> {
     Some(Difference { root_mean_square: square(&values), of_stress: square(&means), values })
 }
 
-/// Draws a difference from `-largest` to `largest`; None where there is nothing to draw.
+/// Draws a difference from `-largest` to `largest`; None if there is nothing to draw.
 ///
 /// # Errors
 /// A picture that cannot be drawn.

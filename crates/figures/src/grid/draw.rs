@@ -15,19 +15,19 @@ use super::shown_cells;
 use crate::draw::units;
 use crate::view::{Scalar, Unit, View};
 
-/// Points of the deformed body at most, about.
+/// Approximate largest number of points of the deformed body.
 const POINTS: usize = 20_000;
 
 /// Moduli with this ratio or a larger one are drawn by their logarithms.
 const CONTRAST: f64 = 100.0;
 
-/// Indicators below this part of the largest one are drawn like it.
+/// Indicators below this part of the largest one have the colour of this part.
 const SMALLEST: f64 = 1e-4;
 
 /// Bases of coarse cells with more fine cells than this are not drawn.
 const LARGEST_BASIS: usize = 1 << 16;
 
-/// Fine cells by which a coarse cell is enlarged at most for its oversampled basis in the picture.
+/// Largest number of fine cells by which a coarse cell is enlarged for its oversampled basis in the picture.
 const LARGEST_HALO: usize = 64;
 
 /// A deformed body.
@@ -38,11 +38,11 @@ pub(crate) struct DeformedBody {
     /// Triangles and boundary segments between them.
     pub triangles: Vec<[usize; 3]>,
     pub outline: Vec<[usize; 2]>,
-    /// What colours each point; of stresses the mean around it.
+    /// The value that colours each point; for a stress, the mean around the point.
     pub values: Vec<f64>,
 }
 
-/// The deformed body by few triangles; `displacement` is that of the nodes.
+/// The deformed body as few triangles; `displacement` belongs to the nodes.
 pub(crate) fn deformed(
     stored: &Record,
     record: &GridRecord,
@@ -75,7 +75,7 @@ pub(crate) fn deformed(
     }
 }
 
-/// Values in all cells of the bounding box, of displacements those of the mean of the corners; NaN outside of the body.
+/// Values in all cells of the bounding box, for displacements at the mean of the corners; NaN outside of the body.
 pub(super) fn on_cells(stored: &Record, record: &GridRecord, scalar: Scalar) -> Vec<f64> {
     let grid = &record.body.grid;
     let mut all = vec![f64::NAN; grid.cells[0] * grid.cells[1]];
@@ -94,11 +94,12 @@ pub(super) fn on_cells(stored: &Record, record: &GridRecord, scalar: Scalar) -> 
     all
 }
 
-/// The pictures of a stored result on a grid besides that of the deformed body, each with its name; none of others.
+/// The pictures of a stored result on a grid, except that of the deformed body, each with its name; none for other
+/// results.
 ///
-/// `moduli` and `stress` (or `displacement`, if that is what is shown) on the cells of the undeformed body, `estimate` with the
-/// indicators of the last coarse cells, `steps` with the estimates of several steps, `basis` and `basis-deformed` with multiscale basis
-/// functions of one coarse cell.
+/// `moduli` and `stress` (or `displacement`, if the view shows it) on the cells of the undeformed body, `estimate` with
+/// the indicators of the last coarse cells, `steps` with the estimates of several steps, `basis` and `basis-deformed`
+/// with multiscale basis functions of one coarse cell.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
@@ -147,7 +148,7 @@ fn rectangles(record: &GridRecord) -> Vec<[[f64; 2]; 2]> {
     cells.iter().map(corners).collect()
 }
 
-/// log10 of η_T / max η on the fine cells of each coarse one.
+/// log10 of η_T / max η on the fine cells of each coarse cell.
 fn indicators(record: &GridRecord) -> Option<Vec<f64>> {
     let (grid, mesh) = (&record.body.grid, record.coarse.as_ref()?);
     let squared = &record.steps.last()?.estimate.as_ref()?.indicators;
@@ -163,7 +164,7 @@ fn indicators(record: &GridRecord) -> Option<Vec<f64>> {
     Some(values)
 }
 
-/// The estimates of several steps and their parts against the unknowns; None of less than two steps with an estimate.
+/// The estimates of several steps and their parts against the unknowns; None for fewer than two steps with an estimate.
 fn steps(title: &str, record: &GridRecord) -> Result<Option<Picture>, PictureError> {
     let estimates: Vec<_> = record.steps.iter().filter_map(|s| Some((s.dofs as f64, s.estimate.as_ref()?))).collect();
     if estimates.len() < 2 {
@@ -177,7 +178,7 @@ fn steps(title: &str, record: &GridRecord) -> Result<Option<Picture>, PictureErr
         ("part of coarse cells", column(|e| e.multiscale.sqrt())),
         ("part of the fine grid", column(|e| e.fine_grid.sqrt())),
     ];
-    // the part of coarse cells is nothing without them, and the whole one where nothing is known of the fine grid
+    // without coarse cells their part is zero, and without an estimate of the fine grid the whole is zero
     let drawn: Vec<_> = columns.iter().filter(|(_, points)| points.iter().any(|p| p[1] > 0.0)).collect();
     let curves: Vec<[Curve<'_>; 1]> = drawn.iter().map(|(_, points)| [Curve { points, flagged: &[] }]).collect();
     let series: Vec<Series<'_>> =
@@ -195,7 +196,7 @@ fn steps(title: &str, record: &GridRecord) -> Result<Option<Picture>, PictureErr
     Ok(Some(picture))
 }
 
-/// Φ_(0,x) of one coarse cell, a row for each kind of basis; None of a cell of one fine cell, or of very many.
+/// Φ_(0,x) of one coarse cell, a row for each kind of basis; None for a cell of one fine cell, or of very many.
 fn bases(title: &str, body: &HeterogeneousBody, mesh: &CoarseMesh) -> Result<Option<Picture>, PictureError> {
     let Some(cell) = example(body, mesh) else { return Ok(None) };
     let [m, n] = cell.size;
@@ -227,7 +228,7 @@ fn bases(title: &str, body: &HeterogeneousBody, mesh: &CoarseMesh) -> Result<Opt
     Ok(Some(basis(&title, &rows)?))
 }
 
-/// A coarse cell as the eight functions of the bases with linear and with coupled data displace it.
+/// A coarse cell, displaced by each of the eight functions of the bases with linear and with coupled data.
 fn deformed_basis(title: &str, body: &HeterogeneousBody, mesh: &CoarseMesh) -> Result<Option<Picture>, PictureError> {
     let Some(cell) = example(body, mesh).filter(|cell| (2..=LARGEST_BASIS).contains(&(cell.size[0] * cell.size[1])))
     else {
@@ -254,8 +255,8 @@ fn deformed_basis(title: &str, body: &HeterogeneousBody, mesh: &CoarseMesh) -> R
     deformed_cells(&format!("{title}: a coarse cell as its basis functions displace it"), &functions, 4).map(Some)
 }
 
-/// The coarse cell whose basis is drawn: one whose moduli vary if there is any, of these the largest, of these the one next
-/// to the middle of the bounding box.
+/// The coarse cell whose basis is drawn: among cells with varying moduli, if there are any, the largest ones, and among
+/// these the one nearest to the middle of the bounding box.
 fn example(body: &HeterogeneousBody, mesh: &CoarseMesh) -> Option<CoarseCell> {
     let grid = &body.grid;
     let rank = |cell: &CoarseCell| {
@@ -269,7 +270,7 @@ fn example(body: &HeterogeneousBody, mesh: &CoarseMesh) -> Option<CoarseCell> {
     least.map(|(_, cell)| cell)
 }
 
-/// The basis of a coarse cell among neighbours of its size, as far as these are in the body.
+/// The basis of a coarse cell with neighbours of its size, as far as these are in the body.
 fn basis_in(body: &HeterogeneousBody, cell: CoarseCell, kind: Basis) -> Option<CellBasis> {
     let grid = &body.grid;
     let ([m, n], [nx, ny]) = (cell.size, grid.cells);
@@ -327,7 +328,7 @@ mod tests {
         let mut layout = cells(&[([0, 0], [8, 6]), ([0, 6], [4, 6]), ([4, 6], [4, 6]), ([8, 0], [8, 6])]);
         let mesh =
             |layout: &[CoarseCell], body: &HeterogeneousBody| CoarseMesh::new(&body.grid, layout.to_vec()).unwrap();
-        // both large cells are as far from the middle: the first one
+        // both large cells are equally far from the middle: the first one
         assert_eq!(example(&body, &mesh(&layout, &body)), Some(layout[0]));
         layout[0].fine_cells(&body.grid.clone()).for_each(|c| body.young[c] = 7.0);
         assert_eq!(example(&body, &mesh(&layout, &body)), Some(layout[3]));

@@ -8,7 +8,7 @@ use crate::draw::{infinite, largest_displacement, units};
 use crate::factor::largest_factor;
 use crate::view::View;
 
-/// Body and medium, deformed alike, by a field; none of other results.
+/// Body and medium, deformed by the same factor and coloured by a field; None for other results.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
@@ -24,7 +24,7 @@ pub(crate) fn medium(stored: &Record, view: &View) -> Result<Option<Picture>, Pi
     };
     let displacement: Vec<[f64; 2]> = displacement.values.chunks_exact(3).map(|u| [u[0], u[1]]).collect();
     let mut all = deformed(stored, record, &displacement, view.scalar);
-    // points of the medium stand behind the nodes of the grid
+    // points of the medium follow the nodes of the grid
     let (first, offset) = (record.body.grid.nodes(), all.points.len());
     let count = fields.points.len() - first;
     let (mut sums, mut counts) = (vec![0.0; count], vec![0.0; count]);

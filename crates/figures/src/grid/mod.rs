@@ -1,4 +1,4 @@
-//! Results on grids: what is stored and drawn of them.
+//! Tables and pictures of results on grids.
 
 mod tables;
 mod difference;

@@ -8,7 +8,7 @@ use steklov_picture::{CellField, Colours, Picture, PictureError, cell_fields};
 /// Lower left and upper right corner.
 type Rectangle = [[f64; 2]; 2];
 
-/// Ranges of the columns and rows of cells that a window meets, of all without one.
+/// Ranges of the columns and rows of cells that a window meets; all cells without a window.
 fn met(grid: &Grid, window: Option<Rectangle>) -> [Range<usize>; 2] {
     [0, 1].map(|i| match window {
         None => 0..grid.cells[i],
@@ -19,7 +19,7 @@ fn met(grid: &Grid, window: Option<Rectangle>) -> [Range<usize>; 2] {
     })
 }
 
-/// Draws a number for each cell of the bounding box under the coarse cells; nothing of a window without cells.
+/// Draws a number for each cell of the bounding box under the coarse cells; None if the window has no cells.
 pub(super) fn picture(
     (title, label, length): (&str, &str, Option<&str>),
     grid: &Grid,

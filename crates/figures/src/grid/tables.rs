@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use steklov_result::grid::of_quads;
 use steklov_result::record::Record;
 
-/// The tables of a stored result on a grid: name and text of each. None of other results.
+/// The tables of a stored result on a grid: name and text of each. None for other results.
 ///
 /// `cells`: centre, modulus and stresses of each fine cell; `nodes`: displacement of each fine node; `coarse`: corners of each
 /// coarse cell and its η² in the last step, empty without an estimate.

@@ -14,14 +14,14 @@ use super::tables::{is_constant, percent};
 use crate::draw::{positions, walls};
 use crate::view::View;
 
-/// Panels in one picture at most.
+/// Largest number of panels in one picture.
 const PANELS: usize = 6;
-/// Germs with bars at most: those with the greatest effects.
+/// Largest number of germs with bars: the germs with the greatest effects.
 const GERMS: usize = 12;
-/// Cells and points of a drawn stochastic mesh at most.
+/// Largest number of cells of a stochastic mesh that is drawn, and of its drawn points.
 const CELLS: usize = 4_000;
 
-/// The pictures of a result with random input, with the parts that their names end on; none without random input. The spread of
+/// The pictures of a result with random input, with the ends of their names; none without random input. The spread of
 /// the body is drawn in the window and at the factor of the view.
 ///
 /// # Errors
@@ -99,7 +99,7 @@ fn band(stored: &Record, result: &StochasticResult, view: &View) -> Result<Pictu
     })
 }
 
-/// Covariance of u_x and u_y of a node; taken as zero where the displacements of the points are not kept.
+/// Covariance of u_x and u_y of a node; zero if the displacements of the points are not kept.
 fn covariance(result: &StochasticResult, node: usize) -> f64 {
     let (x, y) = (2 * node, 2 * node + 1);
     let mean = &result.displacement.mean;
@@ -156,7 +156,8 @@ fn contact(stored: &Record, result: &StochasticResult) -> (Vec<Panel>, Vec<Panel
     (probability, pressure)
 }
 
-/// Density of a quantity with its mean and its quantiles, or its value where its spread is rounding; none of a sparse grid.
+/// Density of a quantity with its mean and its quantiles, or its value if the spread is only rounding; none for a
+/// sparse grid.
 fn density(stored: &Record, quantity: &Quantity, probabilities: &[f64]) -> Option<Panel> {
     if is_constant(stored, quantity) {
         let name = format!("constant {}", short(quantity.mean, 4));
@@ -192,7 +193,7 @@ fn over_germ(label: &str, quantity: &Quantity, points: &[Vec<f64>], ends: Vec<f6
     }
 }
 
-/// The cells of two germs; those of unbounded germs end a little beyond the points.
+/// The cells of two germs; cells of unbounded germs end a little beyond the points.
 fn mesh(result: &StochasticResult) -> Vec<DegreeBox> {
     let Some(cells) = result.cells.as_ref().filter(|c| c.low.len() <= CELLS) else { return Vec::new() };
     let range = |d: usize| {

@@ -7,10 +7,11 @@ use steklov_result::record::Record;
 
 use crate::draw::file_name;
 
-/// Modes that are drawn at most.
+/// Largest number of modes that are drawn.
 const MODES: usize = 6;
 
-/// The spectrum of each field, and its first modes: along the side in the same picture, over the body in one of their own.
+/// The spectrum of each field, and its first modes: modes along a side are in the same picture, modes over the body in
+/// a picture of their own.
 pub(super) fn pictures(stored: &Record, result: &StochasticResult) -> Result<Vec<(String, Picture)>, PictureError> {
     let mut pictures = Vec::new();
     for (k, field) in result.fields.iter().enumerate() {
@@ -33,7 +34,7 @@ pub(super) fn pictures(stored: &Record, result: &StochasticResult) -> Result<Vec
 
 fn spectrum(field: &FieldModes) -> Panel {
     let values: Vec<[f64; 2]> = field.eigenvalues.iter().enumerate().map(|(m, v)| [(m + 1) as f64, *v]).collect();
-    // an axis of six numbers or more has its ticks at whole ones
+    // an axis of six numbers or more has its ticks at whole numbers
     let ends = vec![[0.4, f64::NAN], [values.len().max(6) as f64 + 0.6, f64::NAN]];
     let name = format!("eigenvalues: {:.4} % of the variance kept", 100.0 * field.captured);
     Panel {
@@ -71,7 +72,8 @@ fn on_the_body(stored: &Record, field: &FieldModes) -> Result<Picture, PictureEr
     tiles(&title, "√λ times mode", &grid.points, &grid.triangles, &grid.lines, &all)
 }
 
-/// Bilinear value of a mode at a point from the lower left of the body: the stored points are a grid, x fastest.
+/// Bilinear value of a mode at a point, measured from the lower left of the body; the stored points are a grid, x
+/// fastest.
 fn at(field: &FieldModes, point: [f64; 2], mode: usize) -> f64 {
     let columns = field.points.iter().take_while(|p| p[1] == field.points[0][1]).count();
     let rows = field.points.len() / columns.max(1);

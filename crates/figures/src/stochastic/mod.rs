@@ -1,4 +1,4 @@
-//! Outcomes of random input: what is stored, written as tables and drawn of them.
+//! Tables and pictures of outcomes of random input.
 
 mod tables;
 mod draw;

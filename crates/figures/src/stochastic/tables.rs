@@ -13,8 +13,8 @@ fn quoted(text: &str) -> String {
 
 /// The tables of a stored result with random input: name and text of each. None without random input.
 ///
-/// `quantities`: a row for each quantity; `points`: a row for each point with its germs, its weight, Young's modulus and
-/// the quantities; `contact-statistics`: a row for each contact node. What a method does not give is empty.
+/// `quantities`: a row for each quantity; `points`: a row for each point with its germs, its weight, Young's modulus
+/// and the quantities; `contact-statistics`: a row for each contact node. A value that a method does not give is empty.
 pub fn tables(stored: &Record) -> Vec<(&'static str, String)> {
     let Some(result) = &stored.stochastic else { return Vec::new() };
     let mut tables = vec![("quantities", quantities(result)), ("points", points(result))];
@@ -68,7 +68,7 @@ fn contact(stored: &Record, result: &StochasticResult) -> String {
     text
 }
 
-/// The method's word in the JSON object, or nothing.
+/// The word of the method in the JSON object, or an empty text.
 pub(crate) fn method(stored: &Record) -> &str {
     let solution = stored.summary.stochastic.as_ref().and_then(|s| s.get("solution"));
     solution.and_then(|s| s.get("method")).and_then(|m| m.as_str()).unwrap_or_default()
@@ -134,12 +134,13 @@ pub fn lines(stored: &Record) -> Vec<String> {
     lines
 }
 
-/// Whether the spread of a quantity is rounding: then its quantiles are taken away, which a sparse grid has none of.
+/// Whether the spread of a quantity is only rounding: then its quantiles are removed. A sparse grid has no quantiles at
+/// all.
 pub(crate) fn is_constant(stored: &Record, quantity: &Quantity) -> bool {
     quantity.quantiles.is_none() && method(stored) != "sparse"
 }
 
-/// What is told where the truncation is not down at the tolerance.
+/// The warning if the truncation has not reached the tolerance.
 pub fn shortfall(result: &StochasticResult) -> Option<String> {
     let help = match result.end {
         End::MaxNodes => "raise stochastic.max_nodes or stochastic.tolerance",
@@ -150,7 +151,7 @@ pub fn shortfall(result: &StochasticResult) -> Option<String> {
     Some(format!("stochastic tolerance NOT REACHED: truncation {truncation:.1e} after {}: {help}", result.end.word()))
 }
 
-/// What is told where outcomes show what the points do not, or may do so.
+/// The warning if outcomes show, or may show, changes that the points miss.
 pub fn overlooked(result: &StochasticResult) -> Option<String> {
     const HELP: &str = "refine = \"adaptive\", a higher degree, more elements or samples";
     match result.unseen {
@@ -165,7 +166,7 @@ pub fn overlooked(result: &StochasticResult) -> Option<String> {
     }
 }
 
-/// A probability in per cent, without the digits of rounding.
+/// A probability in per cent, rounded so that rounding errors vanish.
 pub(crate) fn percent(p: f64) -> f64 {
     (1e10 * p).round() / 1e8
 }
