@@ -6,7 +6,7 @@ use crate::chapter_2::steps;
 use crate::charts::{Drawing, Line, at, points};
 use crate::figure::{Entry, Expected, Figure, Runs, Verdict};
 
-/// Where the source's γ is too large.
+/// The text on the source's γ, which is too large for some meshes.
 pub(crate) const GAMMA: &str = "The source takes γ = 10⁻³ h/p². Its form is coercive (Lemma 3.1) only below a critical γ₀ that follows from the matrices: \
     γ₀E is 0.62 to 0.69 for degree 1 and 0.99 to 1.03 for degree 2, and it is 1 here. If h is the whole length of an element, every mesh of degree 1 and those of degree 2 \
     with 64 or more elements are beyond it, and are refused; degree 3 and higher are not. If h is half of it, γ₀E is 0.5 and all meshes are within: that is the curve γ₀ = 5·10⁻⁴ here. \

@@ -84,7 +84,7 @@ fn convergence(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
         Expected::About(45.250_627, 1e-6),
         "28.6199",
     );
-    // the displacements do not depend on the modulus, so that neither does the friction work
+    // the displacements do not depend on the modulus, and neither does the friction work
     let without = number(reference, "energy") - runs.get("pressed")?.number("/friction_work")?;
     figure.row_of_source("E[J], friction work not in it", without, Expected::Near(45.2439, 1e-4), "28.6199");
     let norm = number(reference, "norm_squared");

@@ -83,7 +83,8 @@ pub(crate) const FIGURES: [Entry; 5] = [
     },
 ];
 
-/// Twice the strain energy is the compliance; the energy error is against a solution of the same or a larger space.
+/// The compliance: the work of the loads, twice the strain energy. Energy errors refer to a solution in the same or a
+/// larger space.
 fn compliance(made: &Made) -> Result<f64, String> {
     made.number("/load_work")
 }
@@ -181,7 +182,7 @@ fn heterogeneous(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     figure.row("compliance, 96 by 16", compliance(made[3])?, Expected::Near(0.319_413, 2e-6));
     figure.row("compliance, finite elements on 1/32", compliance(made[4])?, Expected::Near(0.320_543, 2e-6));
     figure.row("compliance, finite elements on 1/256", compliance(fine)?, Expected::Near(0.321_642, 2e-6));
-    // twice the limit of J on finer and finer grids
+    // limit of the compliance, -2 J, on finer and finer grids
     let limit = 0.321_682;
     for ((grid, made), expected) in GRIDS.iter().zip(&made).zip([0.220, 0.135, 0.099, 0.0838, 0.0593]) {
         let error = (1.0 - compliance(made)? / limit).sqrt();

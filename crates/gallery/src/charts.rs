@@ -1,4 +1,4 @@
-//! Charts that a figure draws of several runs.
+//! Charts of several runs in one figure.
 
 use serde_json::Value;
 use steklov_picture::{Axis, Band, Chart, Curve, Guide, Picture, Scale, Series, chart};
@@ -11,7 +11,7 @@ pub(crate) struct Line {
     pub curves: Vec<Vec<[f64; 2]>>,
 }
 
-/// What a chart shows.
+/// The content of a chart.
 pub(crate) struct Drawing<'a> {
     pub title: &'a str,
     pub x: (&'a str, Scale),
@@ -46,7 +46,7 @@ impl Drawing<'_> {
     }
 }
 
-/// A quantity over another one where both are known, of a list of objects.
+/// A quantity over another one, for those objects of a list in which both are known.
 pub(crate) fn points(objects: &[Value], x: &str, y: &str) -> Vec<[f64; 2]> {
     let all = objects.iter().map(|object| [number(object, x), number(object, y)]);
     all.filter(|point| point.iter().all(|v| v.is_finite())).collect()
@@ -67,7 +67,7 @@ pub(crate) fn slope(points: &[[f64; 2]]) -> f64 {
     sum(&|p| (p[0] - mean[0]) * (p[1] - mean[1])) / sum(&|p| (p[0] - mean[0]).powi(2))
 }
 
-/// The smallest and the largest value that are known.
+/// The smallest and the largest finite value.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let finite = values.filter(|v| v.is_finite());
     finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])

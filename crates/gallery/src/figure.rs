@@ -1,4 +1,4 @@
-//! A figure of the page: what it shows, its numbers, and what they are compared with.
+//! A figure of the page: its pictures, its numbers, and their expected values.
 
 use steklov_figures::{View, drawn};
 use steklov_picture::Picture;
@@ -8,9 +8,9 @@ use crate::runs::{Made, Run};
 /// How a figure compares with the source's description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// All that the source says is seen.
+    /// The figure shows all that the source says.
     Same,
-    /// The same with choices where the source leaves something open.
+    /// As [`Self::Same`], with choices where the source leaves something open.
     Chosen,
     /// The source is wrong, or differs: the figure says how.
     Differs,
@@ -29,39 +29,39 @@ impl Verdict {
     }
 }
 
-/// What is known of a figure before anything is run.
+/// The description of a figure, before anything is run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Entry {
-    /// Its name: that of its files, and what `--only` takes.
+    /// Its name, in its files and for `--only`.
     pub name: &'static str,
-    /// Number and section in the source; of an own one the statement that it is about.
+    /// Number and section in the source; for a figure of the project, the statement that it is about.
     pub number: &'static str,
     pub title: &'static str,
     pub verdict: Verdict,
     /// Body, supports, load, material, friction, meshes.
     pub set_up: &'static str,
-    /// What is to be seen.
+    /// What the figure shows.
     pub seen: &'static str,
-    /// What the source does not say, and what was chosen; empty if nothing.
+    /// What the source leaves open, and the choice; empty if nothing.
     pub left_open: &'static str,
     /// Where the source is wrong; empty if nowhere.
     pub differs: &'static [&'static str],
     /// The runs that it needs.
     pub runs: &'static [&'static str],
-    /// Ends of the colours of its fields; None: those of each field.
+    /// Ends of the colours of its fields; None: each field has its own.
     pub range: Option<[f64; 2]>,
-    /// Adds pictures and numbers; why that is not possible in words.
+    /// Adds pictures and numbers; the error says in words why that is not possible.
     pub draw: fn(&Runs<'_>, &mut Figure) -> Result<(), String>,
 }
 
-/// What a number is compared with.
+/// The expected value of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Expected {
-    /// This, up to so much of it.
+    /// The first number, up to a relative difference of the second.
     About(f64, f64),
-    /// This, up to so much.
+    /// The first number, up to a difference of the second.
     Near(f64, f64),
-    /// From the first to the second.
+    /// From the first number to the second.
     Between(f64, f64),
 }
 
@@ -71,7 +71,7 @@ pub(crate) struct Row {
     pub what: String,
     pub computed: f64,
     pub expected: Expected,
-    /// What the source has; empty if nothing.
+    /// The value in the source; empty if there is none.
     pub source: &'static str,
 }
 
@@ -91,13 +91,13 @@ impl Row {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Shown {
     pub picture: Picture,
-    /// What it shows, for those who do not see it.
+    /// A description for readers who do not see the picture.
     pub alternative: String,
-    /// Whether it is a field, whose vectors take megabytes.
+    /// Whether it is a field, whose vector graphics takes megabytes.
     pub is_field: bool,
 }
 
-/// What was made of a figure.
+/// The pictures and numbers of a figure.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Figure {
     pub pictures: Vec<Shown>,
@@ -120,21 +120,21 @@ impl Figure {
         self.rows.push(Row { what: what.into(), computed, expected, source: "" });
     }
 
-    /// Adds a number that the source has too.
+    /// Adds a number that the source has as well.
     pub(crate) fn row_of_source(&mut self, what: &str, computed: f64, expected: Expected, source: &'static str) {
         self.rows.push(Row { what: what.to_owned(), computed, expected, source });
     }
 }
 
-/// The runs of a page by name, each with what it found or why it failed.
+/// The runs of a page by name, each with its results or the reason of its failure.
 pub(crate) struct Runs<'a> {
     pub made: &'a [(&'static Run, Result<Made, String>)],
-    /// What the figure that is drawn shows of a solve.
+    /// The view of solves in the current figure.
     pub view: View,
 }
 
 impl Runs<'_> {
-    /// What a run found.
+    /// The results of a run.
     pub(crate) fn get(&self, name: &str) -> Result<&Made, String> {
         match self.made.iter().find(|(run, _)| run.name == name) {
             Some((_, Ok(made))) => Ok(made),
@@ -177,7 +177,7 @@ impl Made {
     }
 }
 
-/// Number of an object; NaN where it is not known.
+/// Number of an object; NaN if it is not known.
 pub(crate) fn number(object: &serde_json::Value, key: &str) -> f64 {
     object[key].as_f64().unwrap_or(f64::NAN)
 }

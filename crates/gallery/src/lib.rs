@@ -15,7 +15,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-// the crates of whose types the interface is made
+// the crates whose types are in the interface
 pub use steklov_study;
 
 mod runs;
@@ -38,14 +38,14 @@ use steklov_study::Watch;
 use figure::{Entry, Expected, Figure, Row, Runs};
 use runs::{Made, RUNS, Run};
 
-/// What the page is called.
+/// The title of the page.
 const TITLE: &str = "The figures of the source";
 
 /// Why a gallery cannot be made.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GalleryError {
-    /// A name that is that of no figure, nor the beginning of one.
+    /// A name that is neither the name of a figure nor its beginning.
     #[error("there is no figure {name:?}; did you mean {nearest:?}? The figures are {all}")]
     Unknown {
         /// The name.
@@ -60,14 +60,14 @@ pub enum GalleryError {
     Page(String),
 }
 
-/// Figures and what was made of them.
+/// Figures with their pictures and numbers.
 pub struct Gallery {
     shown: Vec<Drawn>,
     /// Wall seconds of all runs.
     seconds: f64,
 }
 
-/// A figure, what was made of it, and what is missing.
+/// A figure, its pictures and numbers, and the reason why a part of it is missing.
 struct Drawn {
     entry: &'static Entry,
     figure: Figure,
@@ -91,7 +91,7 @@ pub fn names() -> Vec<&'static str> {
 /// Whether all of these are names or beginnings of names.
 ///
 /// # Errors
-/// [`GalleryError::Unknown`] of the first that is not.
+/// [`GalleryError::Unknown`] for the first name that is not.
 pub fn check(only: &[String]) -> Result<(), GalleryError> {
     let is_known = |name: &String| names().iter().any(|known| known.starts_with(name.as_str()));
     match only.iter().find(|name| !is_known(name)) {
@@ -103,7 +103,7 @@ pub fn check(only: &[String]) -> Result<(), GalleryError> {
     }
 }
 
-/// How many runs figures of these names need.
+/// Number of runs that figures of these names need.
 pub fn number_of_runs(only: &[String]) -> usize {
     needed(&chosen(only)).len()
 }
@@ -118,8 +118,8 @@ fn needed(entries: &[&Entry]) -> Vec<&'static Run> {
     RUNS.iter().filter(|run| entries.iter().any(|entry| entry.runs.contains(&run.name))).collect()
 }
 
-/// Makes the figures of these names or beginnings of names, all if there are none: each run once. After a wish to stop no run is
-/// begun, and its figures say so.
+/// Makes the figures of these names or beginnings of names, all if there are none: each run once. After a request to
+/// stop, no further run begins, and the figures that need one say so.
 ///
 /// # Errors
 /// As [`check`].
@@ -185,7 +185,7 @@ impl Gallery {
         self.shown.iter().all(Drawn::holds)
     }
 
-    /// What does not hold: the name of each figure and why.
+    /// The figures that do not hold: name and reason of each.
     pub fn failures(&self) -> Vec<(&'static str, String)> {
         let why = |drawn: &Drawn| match &drawn.missing {
             Some(missing) => missing.clone(),
@@ -197,7 +197,7 @@ impl Gallery {
         self.shown.iter().filter(|drawn| !drawn.holds()).map(|drawn| (drawn.entry.name, why(drawn))).collect()
     }
 
-    /// Every number of the page with what it is compared with.
+    /// Every number of the page with its expected value.
     pub fn json(&self) -> Value {
         json!({ "title": TITLE, "holds": self.holds(), "figures": self.shown.iter().map(Drawn::json).collect::<Value>() })
     }

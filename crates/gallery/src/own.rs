@@ -1,4 +1,4 @@
-//! Charts that the project adds: what the source's theorems say, measured.
+//! Charts that the project adds: measurements of the statements of the source's theorems.
 
 use serde_json::Value;
 use steklov_picture::Scale;

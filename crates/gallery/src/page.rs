@@ -45,7 +45,7 @@ struct Line<'a> {
     verdict: &'a str,
 }
 
-/// The page of these figures, whose runs took so many seconds in all.
+/// The page of these figures; all their runs took `total` seconds.
 pub(crate) fn page(all: &[Drawn], total: f64) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
@@ -93,7 +93,7 @@ fn meaning(verdict: Verdict) -> &'static str {
     }
 }
 
-/// A picture inside of the page: vectors of charts, pixels of fields.
+/// A picture inside the page: a chart as vectors, a field as pixels.
 fn image(shown: &Shown) -> Image<'_> {
     let source = match shown.is_field {
         true => data_uri("png", &shown.picture.png),
@@ -113,7 +113,7 @@ fn line(row: &Row) -> Line<'_> {
     Line { what: &row.what, computed: shown(row.computed), expected, source: row.source, verdict }
 }
 
-/// A number with eight digits at most.
+/// A number with at most eight digits.
 pub(crate) fn shown(value: f64) -> String {
     if value.is_finite() { short(value, 8) } else { "unknown".into() }
 }

@@ -1,4 +1,4 @@
-//! The runs of the command from which figures are made, each made once.
+//! The runs of the command for the figures, each made once.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ use steklov_result::record::Record;
 use steklov_study::convergence::{self, Strategy};
 use steklov_study::{Draw, Options, Report, StudyKind, Watch};
 
-/// The scenes that are used, by name.
+/// The scenes by name.
 const SCENES: [(&str, &str); 6] = [
     ("15-block-on-floor", include_str!("../scenes/15-block-on-floor.toml")),
     ("17-wedge-gap", include_str!("../scenes/17-wedge-gap.toml")),
@@ -30,12 +30,12 @@ const SCENES: [(&str, &str); 6] = [
     ("42-stiff-inclusion-of-random-cells", include_str!("../scenes/42-stiff-inclusion-of-random-cells.toml")),
 ];
 
-/// What is done with a scene.
+/// The task of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Task {
     /// `solve`.
     Solve,
-    /// `study` of strategies, each with these multipliers; none: that of the scene.
+    /// `study` of strategies, each with each of these multipliers; without multipliers, with the scene's own.
     Compare(&'static [&'static str], &'static [&'static str]),
     /// `study --what`.
     Study(StudyKind),
@@ -46,19 +46,19 @@ pub(crate) enum Task {
 pub(crate) struct Run {
     /// Its name among the runs.
     pub name: &'static str,
-    /// What it is, for the progress.
+    /// Its description in the progress.
     pub what: &'static str,
     scene: &'static str,
     task: Task,
     set: &'static [&'static str],
 }
 
-/// What a run found.
+/// The results of a run.
 #[derive(Default)]
 pub(crate) struct Made {
     /// The JSON object of the command.
     pub json: Value,
-    /// What is stored of a solve.
+    /// The record of a solve.
     pub record: Option<Record>,
     /// The strategies of a comparison.
     pub strategies: Vec<Strategy>,
@@ -204,7 +204,7 @@ impl Run {
         RUNS.iter().find(|run| run.name == name)
     }
 
-    /// The command that does the same by hand, in a folder with the scenes, with these ends of the colours.
+    /// The command that does the same by hand, in a folder with the scenes, with `range` as the ends of the colours.
     pub(crate) fn command(&self, range: Option<[f64; 2]>) -> String {
         let scene = format!("scenes/{}.toml", self.scene);
         let list = |key: &str, names: &[&str]| match names.is_empty() {
@@ -229,7 +229,7 @@ impl Run {
         command
     }
 
-    /// Makes it; why it failed in words.
+    /// Makes the run; the error says in words why it failed.
     pub(crate) fn make(&self, watch: &mut Watch<'_>) -> Result<Made, String> {
         let clock = Instant::now();
         let (_, text) = SCENES.iter().find(|(name, _)| *name == self.scene).ok_or("there is no such scene")?;
