@@ -1,4 +1,4 @@
-//! `[[body]]` and `[[interface]]`: several bodies and what acts between them.
+//! `[[body]]` and `[[interface]]`: several bodies and the interfaces between them.
 
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Plane;
@@ -85,7 +85,7 @@ pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Prob
     Ok(problem)
 }
 
-/// What a body does far away, if it is a medium: none among the `others` is one.
+/// The far field of a body, if it is a medium; an error if one of the `others` is a medium too.
 fn far(
     of_body: &Fields<'_>,
     (name, field): (&str, &Field<'_>),
@@ -116,13 +116,13 @@ fn far(
     Ok(far)
 }
 
-/// A body in as many pieces.
+/// A body in `count` pieces.
 pub(super) fn pieces(body: &Body, count: usize) -> Vec<Body> {
     let name = |k: usize| if count == 1 { body.name.clone() } else { format!("{} {}", body.name, k + 1) };
     (0..count).map(|k| Body { name: name(k), ..body.clone() }).collect()
 }
 
-/// The material of a body, or that of the scene.
+/// The material of a body, or else of the scene.
 fn own_material(
     of_body: &Fields<'_>,
     fields: &Fields<'_>,
@@ -176,8 +176,8 @@ fn conditions(
     Ok(())
 }
 
-/// Help for a name that no side has: one like it on the body that is named, else the sides of that body; without that body the
-/// whole name most like it.
+/// Help for a name that no side has: a similar name on the named body, else the sides of that body; without such a
+/// body, the most similar whole name.
 fn side_like(text: &str, problem: &Problem) -> String {
     let names = problem.sides.iter().map(|side| side.name.as_str());
     let Some((body, side)) = text.rsplit_once('.') else { return suggestion(text, names) };
@@ -189,7 +189,7 @@ fn side_like(text: &str, problem: &Problem) -> String {
     }
 }
 
-/// The sides that a name or a list of names means, and these names.
+/// The sides of a name or a list of names, and these names.
 fn named_sides<'a>(field: &Field<'a>, problem: &Problem) -> Result<(Vec<usize>, Vec<Field<'a>>), ReadError> {
     let names = if matches!(field.item.value, Value::Array(_)) {
         field.list()?
@@ -209,7 +209,7 @@ fn named_sides<'a>(field: &Field<'a>, problem: &Problem) -> Result<(Vec<usize>, 
     Ok((names.iter().map(side).collect::<Result<_, _>>()?, names))
 }
 
-/// The error of an interface at its place: the last of the names that it is about, else what it joins.
+/// The error of an interface at its place: at the last name that it is about, else at the list of joined sides.
 fn placed(error: DataError, between: &Field<'_>, names: &[&Field<'_>]) -> ReadError {
     let About::Keys(keys) = &error.about else { return error.into() };
     let place = match keys[0].iter().map(String::as_str).collect::<Vec<_>>()[..] {

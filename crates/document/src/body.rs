@@ -21,7 +21,7 @@ pub(super) const PLANES: [(&str, Plane); 2] = [("strain", Plane::Strain), ("stre
 pub(super) struct Parameters {
     /// The names and their values.
     pub(super) values: BTreeMap<String, f64>,
-    /// The names in their order, and the names above that each uses.
+    /// The names in their order, each with the names above it that it uses.
     pub(super) uses: Vec<(String, Vec<String>)>,
 }
 
@@ -41,7 +41,7 @@ pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameter
     Ok(Parameters { values: context.constants, uses })
 }
 
-/// The error of a parameter that uses a name, where the name is one that stands below it.
+/// The error of a parameter that uses a name, with help if the name is defined below it.
 fn used_before(error: ReadError, key: &str, all: &Field<'_>, source: &Source) -> ReadError {
     let About::Text(place) = error.about else { return error };
     let name = &source.part(place.source)[place.start..place.end];
@@ -57,7 +57,7 @@ fn used_before(error: ReadError, key: &str, all: &Field<'_>, source: &Source) ->
     ReadError { message, help, ..error }
 }
 
-/// Whether a name can stand in an expression for something new.
+/// Checks that a new name has no meaning of its own in expressions.
 pub(super) fn check_name(name: &str, place: steklov_expression::Place) -> Result<(), ReadError> {
     if is_reserved(name) {
         let message = format!("the name {name:?} has a meaning of its own in expressions");
@@ -75,7 +75,7 @@ pub(super) fn check_name(name: &str, place: steklov_expression::Place) -> Result
     Ok(())
 }
 
-/// Corners and sides of a loop as listed, for messages; of a circle or an ellipse the table itself.
+/// Corners and sides of a loop as listed, for messages; for a circle or an ellipse the table itself.
 struct Listed<'a> {
     corners: Field<'a>,
     sides: Field<'a>,
@@ -96,7 +96,7 @@ fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), ReadError> {
         corners.list()?.iter().map(Field::point).collect::<Result<_, _>>()?,
         sides.list()?.iter().map(|s| s.text().map(str::to_owned)).collect::<Result<_, _>>()?,
     );
-    // what is wrong with the lists themselves is told where the loop is checked
+    // errors of the lists themselves are reported when the loop is checked
     let count = listed.corners.len();
     let whole = listed.sides.len() == count && count >= 2 && listed.corners.iter().flatten().all(|c| c.is_finite());
     if !whole {
@@ -129,7 +129,7 @@ pub(super) fn body(fields: &Fields<'_>, cavity: bool) -> Result<Polygon, ReadErr
     loops_of(fields, vec![read_loop(fields)?], cavity)
 }
 
-/// The polygon of some loops and of those of `holes`.
+/// The polygon of the given loops and the loops of `holes`.
 fn loops_of<'a>(fields: &Fields<'a>, first: Vec<(Loop, Listed<'a>)>, cavity: bool) -> Result<Polygon, ReadError> {
     let (mut loops, mut listed): (Vec<Loop>, Vec<Listed<'a>>) = first.into_iter().unzip();
     if let Some(list) = fields.get("holes") {
@@ -145,7 +145,7 @@ fn loops_of<'a>(fields: &Fields<'a>, first: Vec<(Loop, Listed<'a>)>, cavity: boo
     Polygon::new(loops.remove(0), loops).map_err(|e| geometry(e, &listed, 0))
 }
 
-/// The place that a geometrical error means, and its remedy; `first` is the number that the first loop has in it.
+/// A geometrical error at its place, with its remedy; `first` is the number of the first listed loop in the error.
 fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> ReadError {
     let corners = |l: usize| listed[l - first].corners.item.place;
     let corner = |l: usize, k: usize| {

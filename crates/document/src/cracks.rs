@@ -10,15 +10,15 @@ use super::keys;
 use super::sides::{self, Given};
 use super::tree::{Value, suggestion};
 
-/// Cracks as they are read: each with its place and the law of its faces, contact without friction unless the scene says another
-/// one.
+/// The cracks that were read: each with its place and the law of its faces, frictionless contact unless the scene gives
+/// another law.
 #[derive(Default)]
 pub(super) struct Cracks {
     all: Vec<(Crack, Place, Option<Contact>)>,
 }
 
 impl Cracks {
-    /// Reads the cracks of a body, whose pieces along them are returned; `prefix` is that of the names of its sides.
+    /// Reads the cracks of a body and returns its pieces along them; `prefix` begins the names of its sides.
     pub(super) fn cut(&mut self, of_body: &Fields<'_>, prefix: &str, outline: Polygon) -> Result<Polygon, ReadError> {
         let Some(list) = of_body.get("cracks") else { return Ok(outline) };
         let mut own = Vec::new();
@@ -50,7 +50,8 @@ impl Cracks {
         Ok(pieces)
     }
 
-    /// Loads both faces of a crack, which are then free; whether a side is a crack.
+    /// Loads both faces of a crack by a pressure, which replaces their contact; returns whether the name is that of a
+    /// crack.
     pub(super) fn load(
         &mut self,
         name: &str,
@@ -76,7 +77,7 @@ impl Cracks {
         Ok(true)
     }
 
-    /// Takes a table of `[[interface]]` with `on`; whether it is one.
+    /// Reads a table of `[[interface]]` with `on`; returns whether it is one.
     pub(super) fn interface(&mut self, table: &Field<'_>, context: &Context<'_>) -> Result<bool, ReadError> {
         let fields = Fields::new(table, &keys::INTERFACE)?;
         let Some(on) = fields.get("on") else { return Ok(false) };
@@ -113,7 +114,7 @@ impl Cracks {
         Ok(true)
     }
 
-    /// Joins the faces, and what is beyond the tips.
+    /// Joins the faces, and the pieces beyond the tips.
     pub(super) fn join(self, problem: &mut Problem) {
         problem.join_cracks(self.all.into_iter().map(|(crack, _, contact)| (crack, contact)).collect());
     }

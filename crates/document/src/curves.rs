@@ -12,11 +12,11 @@ use super::form::Table;
 use super::keys;
 use super::tree::Value;
 
-/// Elements that a circle or an ellipse has at least.
+/// Smallest number of elements on a circle or an ellipse.
 const QUARTERS: usize = 4;
-/// Corners lie on a circle or an ellipse up to this part of it.
+/// A corner may be off its circle or ellipse by this part of the radius.
 const ON_CURVE: f64 = 1e-9;
-/// An arc of a smaller bulge is a line.
+/// An arc with a smaller bulge is a line.
 const FLAT: f64 = 1e-9;
 
 /// The loop of `circle` or `ellipse` with its `side`, if there is one.
@@ -133,8 +133,8 @@ fn entries<'a>(field: &Field<'a>, table: &'static Table, listed: &Loop) -> Resul
     Ok(found)
 }
 
-/// The arc of a table between two corners, of a loop with this signed area: where both halves of a circle would do, the one that
-/// bulges out of the loop is meant.
+/// The arc of a table between two corners of a loop with this signed area; of two half circles, the one that bulges out
+/// of the loop.
 fn arc(entry: &Field<'_>, of: &Fields<'_>, [a, b]: [[f64; 2]; 2], area: f64) -> Result<Path, ReadError> {
     let large = of.get("large").map_or(Ok(false), |f| f.flag())?;
     let given: Vec<&str> =
@@ -180,7 +180,7 @@ fn arc(entry: &Field<'_>, of: &Fields<'_>, [a, b]: [[f64; 2]; 2], area: f64) -> 
     Ok(if (opening / 4.0).tan().abs() < FLAT { Path::Line } else { Path::Arc { opening } })
 }
 
-/// The angle from one direction to another, or its complement; a half turn is that out of the loop.
+/// The angle from one direction to another, or its complement if `large`; a half turn goes out of the loop.
 fn about(angle: f64, area: f64, large: bool) -> f64 {
     if angle.abs() > PI - 1e-9 {
         return PI.copysign(area);
@@ -188,7 +188,7 @@ fn about(angle: f64, area: f64, large: bool) -> f64 {
     if large { angle - TAU.copysign(angle) } else { angle }
 }
 
-/// The angle of an arc through a point: the inscribed angle is half of that of the rest of the circle.
+/// The angle of an arc through a point: the inscribed angle is half of the angle of the rest of the circle.
 fn opening_through(field: &Field<'_>, a: [f64; 2], b: [f64; 2]) -> Result<f64, ReadError> {
     let p = field.point()?;
     let angle = angle(minus(a, p), minus(b, p));
@@ -236,8 +236,8 @@ fn cubic(of: &Fields<'_>) -> Result<Path, ReadError> {
     Ok(Path::Cubic { control: [first.point()?, second.point()?] })
 }
 
-/// Rounds corners by arcs that touch both edges: `fillet = { CORNER = radius }`. Returns for each corner the listed one that it
-/// comes from.
+/// Rounds corners by arcs tangent to both edges: `fillet = { CORNER = radius }`. Returns for each new corner the number
+/// of the listed corner from which it comes.
 pub(super) fn fillet(fields: &Fields<'_>, listed: Loop) -> Result<(Loop, Vec<usize>), ReadError> {
     let count = listed.corners.len();
     let Some(field) = fields.get("fillet") else { return Ok((listed, (0..count).collect())) };
@@ -259,7 +259,7 @@ pub(super) fn fillet(fields: &Fields<'_>, listed: Loop) -> Result<(Loop, Vec<usi
         }
         radius[corner] = Some((positive(&value)?, value));
     }
-    // what is cut off both edges, and the angle that the boundary turns by
+    // the length cut off both edges, and the angle by which the boundary turns
     let cut = |k: usize| -> (f64, f64) {
         let at = |k: usize| listed.corners[k % count];
         let (a, b, c) = (at(k + count - 1), at(k), at(k + 1));

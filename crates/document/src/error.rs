@@ -1,4 +1,4 @@
-//! What is wrong with a scene: file, line, the text that is meant, and the remedy.
+//! Errors of a scene: file, line, the offending text, and the remedy.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use steklov_problem::{About, DataError, DataErrorKind};
 use super::source::Source;
 use super::tree;
 
-/// Bytes of a line that are shown, at most.
+/// Largest number of bytes of a line that is shown.
 const LONG: usize = 160;
 
 /// Sort of the error of a scene.
@@ -27,9 +27,9 @@ pub enum SceneErrorKind {
     MissingKey,
     /// A value of another type than the key takes.
     WrongType,
-    /// The text of an expression cannot be read.
+    /// A text that cannot be read as an expression.
     Expression,
-    /// What is written says something impossible.
+    /// Impossible data.
     Data(DataErrorKind),
 }
 
@@ -39,7 +39,7 @@ impl From<DataErrorKind> for SceneErrorKind {
     }
 }
 
-/// An error that is met while a scene is read, of its text or of its data.
+/// An error in the text or the data of a scene, found while it is read.
 #[derive(Debug)]
 pub(super) struct ReadError {
     pub kind: SceneErrorKind,
@@ -68,7 +68,7 @@ impl From<DataError> for ReadError {
     }
 }
 
-/// An error of a scene. [`SceneError::render`] shows it with the line that is meant.
+/// An error of a scene. [`SceneError::render`] shows it with the offending line.
 #[derive(Debug, Clone, thiserror::Error, Diagnostic)]
 #[error("{message}")]
 pub struct SceneError {
@@ -92,19 +92,20 @@ impl SceneError {
         self.source_code.name()
     }
 
-    /// Line of the text that is meant, from 1; none if the file could not be read.
+    /// Line of the offending text, from 1; None if the file could not be read.
     pub fn line(&self) -> Option<usize> {
         let start = self.span?.offset();
         Some(1 + self.source_code.inner().as_bytes()[..start].iter().filter(|&&b| b == b'\n').count())
     }
 
-    /// The text that is meant.
+    /// The offending text.
     pub fn offending(&self) -> &str {
         let text = self.source_code.inner();
         self.span.map_or("", |s| &text[s.offset()..s.offset() + s.len()])
     }
 
-    /// The whole message without colours: what is wrong, file and line, the text, the remedy. Of long lines a part is shown.
+    /// The whole message without colours: what is wrong, file and line, the text, the remedy. Long lines are shown in
+    /// part.
     pub fn render(&self) -> String {
         let shown = self.with_short_lines();
         let mut out = String::new();
@@ -115,7 +116,7 @@ impl SceneError {
         let Some(span) = self.span else { return out };
         let before = &self.source_code.inner()[..span.offset()];
         let column = 1 + before[before.rfind('\n').map_or(0, |end| end + 1)..].chars().count();
-        // the place in the line as it stands in the file, in letters
+        // the column in the line of the file, counted in characters
         let place = format!("[{}:{}:", self.file(), self.line().unwrap_or(1));
         match out.split_once(&place).and_then(|(before, behind)| Some((before, behind.split_once(']')?.1))) {
             Some((before, behind)) => format!("{before}{place}{column}]{behind}"),
@@ -123,7 +124,7 @@ impl SceneError {
         }
     }
 
-    /// The error with the parts of long lines that are shown; none if no line is long.
+    /// The error with long lines cut to the parts that are shown; None if no line is long.
     fn with_short_lines(&self) -> Option<Self> {
         let (text, span) = (self.source_code.inner(), self.span?);
         if text.lines().all(|line| line.len() <= LONG) {
@@ -181,7 +182,7 @@ pub(super) fn located(source: &Source, error: impl Into<ReadError>) -> SceneErro
     let place = place_of(source, about);
     let text = source.part(place.source);
     let name = if place.source == 0 { &source.name } else { "--set" };
-    // Only the first line of what is meant: tables and lists can be long.
+    // Only the first line of the offending text: tables and lists can be long.
     let meant = text.get(place.start..place.end).unwrap_or("");
     let length = meant.find('\n').unwrap_or(meant.len());
     SceneError {
@@ -194,12 +195,12 @@ pub(super) fn located(source: &Source, error: impl Into<ReadError>) -> SceneErro
     }
 }
 
-/// The last place up to this one at which a text may be cut.
+/// The last character boundary up to `at`.
 fn boundary(text: &str, at: usize) -> usize {
     (0..=at).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0)
 }
 
-/// What stands beside the text that is meant.
+/// The label beside the offending text.
 fn label(kind: SceneErrorKind) -> &'static str {
     match kind {
         SceneErrorKind::UnknownKey | SceneErrorKind::Data(DataErrorKind::Unknown) => "not known",

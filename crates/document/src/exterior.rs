@@ -9,11 +9,12 @@ use super::error::ReadError;
 use super::fields::{Context, Field, Fields};
 use super::keys;
 
-/// What the displacement does far away, and its word.
+/// The behaviour of the displacement far away, and its word.
 pub(super) const RADIATIONS: [(&str, Radiation); 2] =
     [("decaying", Radiation::Decaying), ("bounded", Radiation::Bounded)];
 
-/// Reads `[exterior]`, the medium and how a body is tied to it; `body`: the plane of the body's material, None of a hole in the medium.
+/// Reads `[exterior]`, the medium and how a body is tied to it; `body`: the plane assumption of the body's material,
+/// None for a hole in the medium.
 pub(super) fn exterior(
     field: &Field<'_>,
     body: Option<Plane>,

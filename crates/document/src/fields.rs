@@ -14,7 +14,7 @@ use super::help;
 use super::source::Source;
 use super::tree::{Entry, Item, Value, suggestion, type_name};
 
-/// What expressions are read with.
+/// The constants, fields and names for reading expressions.
 pub(super) struct Context<'a> {
     pub(super) source: &'a Source,
     pub(super) constants: BTreeMap<String, f64>,
@@ -44,7 +44,7 @@ pub(super) struct Field<'a> {
 
 impl<'a> Fields<'a> {
     /// # Errors
-    /// The field is no table, or has a key that `table` has not.
+    /// The field is no table, or has a key that is not in `table`.
     pub(super) fn new(field: &Field<'a>, table: &'static Table) -> Result<Self, ReadError> {
         let fields = Self::open(field)?;
         match fields.entries.iter().find(|e| !table.has(&e.key)) {
@@ -120,7 +120,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// A number for which `test` holds; `wanted` says it in words.
+    /// A number for which `test` holds; `wanted` describes it in words.
     pub(super) fn number_where(&self, test: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, ReadError> {
         let value = self.number()?;
         if test(value) {
@@ -177,7 +177,7 @@ impl<'a> Field<'a> {
         Ok(list.iter().enumerate().map(|(k, item)| Field { name: format!("{}[{k}]", self.name), item }).collect())
     }
 
-    /// The two entries of a list; `of` says what they are.
+    /// The two entries of a list; `of` describes them.
     pub(super) fn pair(&self, of: &str) -> Result<[Field<'a>; 2], ReadError> {
         let list = self.list()?;
         let count = list.len();

@@ -1,9 +1,9 @@
-//! Files of other kinds that are given as scenes.
+//! Files of other kinds given in place of scenes.
 
-/// What a result file is.
+/// The kind of a result file.
 pub const HDF5: &str = "an HDF5 file";
 
-/// What a file is that begins like one of another kind, and what to do with it.
+/// The kind of a file that is no scene, recognised by its first bytes, and what to do with it.
 pub fn foreign(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     const DRAWING: &str = "a scene is TOML text: write the points of the drawing as body.corners, what is round as circle, ellipse, arcs \
                            or curves; `steklov new` prints a scene to start from";

@@ -1,13 +1,14 @@
-//! What a key of a scene is: plain data, from which the reader takes names and ranges, and the schema and the reference all of it.
+//! The description of a key of a scene, as plain data: the reader uses names and ranges, the schema and the reference
+//! use all of it.
 
 /// A key of a table.
 pub(super) struct Key {
     pub(super) name: &'static str,
-    /// The values that are read.
+    /// The values that it takes.
     pub(super) form: Form,
-    /// What holds without the key.
+    /// What holds if the key is missing.
     pub(super) default: Fallback,
-    /// Unit of its numbers; empty where they have none, or the key has no numbers.
+    /// Unit of its numbers; empty if they have none, or the key has no numbers.
     pub(super) unit: &'static str,
     /// Its meaning, one sentence.
     pub(super) what: &'static str,
@@ -17,10 +18,10 @@ pub(super) struct Key {
 pub(super) struct Table {
     /// Its full name in a scene.
     pub(super) name: &'static str,
-    /// What it is for, one sentence.
+    /// Its purpose, one sentence.
     pub(super) what: &'static str,
     pub(super) keys: &'static [Key],
-    /// The values of names that the user chooses, and what such a name is.
+    /// The values of names that the user chooses, and the meaning of such a name.
     pub(super) names: Option<(Form, &'static str)>,
 }
 
@@ -42,23 +43,23 @@ pub(super) enum Form {
     Words(&'static [&'static str]),
     /// A list of two numbers, x and y.
     Point,
-    /// A list of as many values of one form, or of any number of them.
+    /// A list of values of one form, with their number; None for any number.
     List(&'static Form, Option<usize>),
     /// A table.
     Table(&'static Table),
     /// One of several forms.
     OneOf(&'static [Form]),
-    /// The key is known, and no value of it can be solved: the reader says why.
+    /// The key is known, but no value of it can be solved; the reader says why.
     Refused,
 }
 
-/// Without the key.
+/// What holds if a key is missing.
 pub(super) enum Fallback {
-    /// It must be there.
+    /// Nothing: the key is required.
     Required,
     /// This value as TOML text.
     Value(fn() -> String),
-    /// What this says.
+    /// As this text says.
     Said(&'static str),
 }
 
@@ -66,14 +67,14 @@ pub(super) enum Fallback {
 pub(super) struct Range {
     pub(super) low: f64,
     pub(super) high: f64,
-    /// Whether the bounds themselves belong to it.
+    /// Whether each bound belongs to it.
     pub(super) closed: [bool; 2],
     /// The numbers in words, for messages.
     pub(super) wanted: &'static str,
 }
 
 impl Range {
-    /// Numbers between two bounds that do not belong to them.
+    /// Numbers between two bounds, without the bounds.
     pub(super) const fn open(low: f64, high: f64, wanted: &'static str) -> Self {
         Self { low, high, closed: [false; 2], wanted }
     }
@@ -84,7 +85,7 @@ impl Range {
     }
 }
 
-/// The least and the greatest whole number.
+/// The smallest and the largest whole number.
 #[derive(Clone, Copy)]
 pub(super) struct Whole(pub(super) usize, pub(super) usize);
 

@@ -14,7 +14,7 @@ use super::keys;
 use super::source::Source;
 use super::tree::Value;
 
-/// The orders that a scene may name, and their words.
+/// The orders of a table that a scene may name, and their words.
 pub(super) const ORDERS: [(&str, TableOrder); 2] = [("xy", TableOrder::Xy), ("rows", TableOrder::Rows)];
 
 pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, ReadError> {
@@ -33,7 +33,7 @@ pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, ReadError> {
     Ok(grid)
 }
 
-/// Reads `[material.cells]`; the material is that of modulus 1.
+/// Reads `[material.cells]`; `of_unit_modulus` gives the material for modulus 1.
 pub(super) fn cells(
     field: &Field<'_>,
     polygon: &Polygon,
@@ -51,8 +51,8 @@ pub(super) fn cells(
     Ok(Cells { size, young, of_unit_modulus: of_unit_modulus()? })
 }
 
-/// Moduli that are random numbers or come from a file; `cells`: how many of this size there are along x and y, if they fit the
-/// body.
+/// Moduli that are random numbers or come from a file; `cells`: the numbers of cells of this size along x and y, if
+/// they fit the body.
 fn table(young: &Field<'_>, cells: Option<[usize; 2]>, size: f64, source: &Source) -> Result<CellModuli, ReadError> {
     let table = Fields::new(young, &keys::MODULI)?;
     let beside = |key: &str, of: &str| match table.get(key) {
@@ -157,7 +157,8 @@ fn from_file(
     Ok(CellModuli::Table { values: values.into(), order, source: format!("{name} of {at}") })
 }
 
-/// The size of the cells with which a table of the shape `found` covers the body, where `expected` are those of this size.
+/// The cell size at which a table of the shape `found` covers the body; `expected` is the shape for cells of size
+/// `size`.
 fn fitting_size(expected: &str, found: &str, size: f64) -> Option<f64> {
     let counts = |text: &str| -> Option<[f64; 2]> {
         let (x, y) = text.split_once(" by ")?;
@@ -168,7 +169,7 @@ fn fitting_size(expected: &str, found: &str, size: f64) -> Option<f64> {
     (nx * my == ny * mx && mx > 0.0).then(|| size * nx / mx)
 }
 
-/// The order that the names of the axes of a table mean, or one word for both; None of names that mean none.
+/// The order that the names of the axes of a table mean, or one word for both axes; None if they mean no order.
 fn order_of(axes: &[String]) -> Option<TableOrder> {
     let lower: Vec<String> = axes.iter().map(|name| name.trim().to_lowercase()).collect();
     match lower.iter().map(String::as_str).collect::<Vec<_>>()[..] {

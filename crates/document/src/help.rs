@@ -1,4 +1,4 @@
-//! Where a key belongs that is unknown, and overrides without effect.
+//! Help for unknown keys, and overrides without effect.
 
 use steklov_expression::nearest;
 use steklov_problem::Scene;
@@ -8,7 +8,7 @@ use super::form::{Form, Table};
 use super::keys;
 use super::tree::{Entry, Item, Value, suggestion};
 
-/// The tables whose keys are fixed, the likelier ones first.
+/// The tables of fixed keys, the likelier ones first.
 static TABLES: [&Table; 14] = [
     &keys::METHOD,
     &keys::MATERIAL,
@@ -32,7 +32,7 @@ pub(super) fn is_list_of_tables(key: &str) -> bool {
     keys::SCENE.all().iter().flat_map(|table| table.keys).any(|k| k.name == key && is_list(&k.form))
 }
 
-/// Keys that scenes do not have, as other programs call them, and what to write instead.
+/// Keys of other programs that scenes do not have, and what to write instead.
 const INSTEAD: [(&[&str], &str); 9] = [
     (
         &["thickness", "depth"],
@@ -70,8 +70,8 @@ const INSTEAD: [(&[&str], &str); 9] = [
     ),
 ];
 
-/// Help for a key that is unknown in a table with these entries: where such a key belongs, what other programs'
-/// key it is, or the nearest one.
+/// Help for a key that is unknown in a table with these entries: the table where such a key belongs, the replacement of
+/// another program's key, or the nearest key.
 pub(super) fn help(key: &str, table: &'static Table, entries: &[Entry]) -> String {
     let near = || nearest(key, table.known());
     let elsewhere = || nearest(key, TABLES.iter().flat_map(|table| table.known()));
@@ -93,7 +93,7 @@ pub fn full_key(key: &str) -> Option<String> {
     TABLES.iter().find(has).map(|table| format!("{}.{key}", table.name))
 }
 
-/// The full names that end in `key`: those of tables among the entries, and of `[method]`, if there are any.
+/// The full names that end in `key`, of tables among the entries and of `[method]`; None if there are none.
 fn homes(key: &str, entries: &[Entry]) -> Option<String> {
     let table = |name: &str| entries.iter().find(|e| e.key == name).map(|e| &e.item);
     let mut homes = Vec::new();
@@ -115,13 +115,13 @@ fn homes(key: &str, entries: &[Entry]) -> Option<String> {
     };
     let there: Vec<&str> = with_key().filter(is_there).collect();
     let named = if there.is_empty() && homes.is_empty() { with_key().collect() } else { there };
-    // of a list of tables the first one stands for all
+    // in a list of tables the first one stands for all
     let is_list = |name: &str| table(name).is_some_and(|item| matches!(item.value, Value::Array(_)));
     homes.extend(named.iter().map(|name| format!("{name}{}.{key}", if is_list(name) { ".0" } else { "" })));
     (!homes.is_empty()).then(|| homes.join(" or "))
 }
 
-/// Overrides of names that nothing uses, and of `[stochastic]` without random input, change nothing: they are refused.
+/// Refuses overrides that change nothing: of names that nothing uses, and of `[stochastic]` without random input.
 pub(super) fn check_overrides(scene: &Scene, root: &Item) -> Result<(), ReadError> {
     let Value::Table(tables) = &root.value else { return Ok(()) };
     for table in tables {

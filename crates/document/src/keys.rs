@@ -1,4 +1,4 @@
-//! The keys of the tables of a scene: the one place that names them.
+//! The keys of the tables of a scene, all in one place.
 
 use steklov_elastic::Plane;
 use steklov_problem::{
@@ -31,7 +31,7 @@ const RATIO: Range = Range::open(-1.0, 0.5, "above -1 and below 0.5");
 
 pub(super) const ELEMENTS: Whole = Whole(1, 1_000_000);
 pub(super) const DEGREE: Whole = Whole(1, 64);
-/// Degrees from that of constants on.
+/// Degrees from 0, constants, on.
 pub(super) const DEGREE_FROM_0: Whole = Whole(0, 64);
 pub(super) const DOFS: Whole = Whole(1, 100_000_000);
 pub(super) const STEPS: Whole = Whole(1, 1_000_000);
@@ -130,7 +130,7 @@ pub(super) static UNITS: Table = table(
     ],
 );
 
-// forms that constants below refer to: these may refer to statics, and not to values made of references to them
+// forms for the constants below, which may refer to statics but not to values made of references to statics
 static ARC_FORMS: [Form; 2] = [Form::Table(&ARCS), List(&Form::Table(&ARC), None)];
 static CURVE_FORMS: [Form; 2] = [Form::Table(&CURVES), List(&Form::Table(&CURVE), None)];
 static HOLE: Form = Form::Table(&LOOP);
@@ -206,7 +206,7 @@ pub(super) static BODIES: Table = table(
     ],
 );
 
-/// What one of several bodies does far away.
+/// The far field of an unbounded body among several.
 pub(super) static MEDIUM: Table =
     table("body.medium", "What an unbounded one of several bodies does far away.", &[REMOTE_STRESS, AT_INFINITY]);
 

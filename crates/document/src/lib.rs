@@ -1,9 +1,9 @@
-//! Scenes: what a user asks for, read from TOML, checked, and refused with file, line and remedy where it is wrong.
+//! Scenes: the problems of users, read from TOML and checked. A wrong scene is refused with file, line and remedy.
 //!
 //! ```text
 //! text + overrides ─► tree of values with places ─► typed fields ─► Scene ─► checked ─► Document
 //! ```
-//! Every key is read by hand, so that a wrong one can be answered with the nearest valid one.
+//! Every key is read by hand, so that the error of a wrong key can name the nearest valid one.
 //!
 //! ```
 //! let text = "body.corners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nbody.sides = [\"floor\", \"right\", \"top\", \"left\"]\n\
@@ -17,7 +17,7 @@
 //! # Ok::<(), steklov_document::SceneError>(())
 //! ```
 
-// the crates of whose types the interface is made
+// the crates whose types are in the interface
 pub use steklov_problem;
 
 mod error;
@@ -79,13 +79,13 @@ pub const TEMPLATES: [(&str, &str); 6] = [
     ("medium", include_str!("templates/medium.toml")),
 ];
 
-/// The table that has no effect without `[random]`, among the names that nothing uses.
+/// The entry for the table `[stochastic]` without `[random]` in the list of unused names.
 pub const STOCHASTIC: &str = "[stochastic]";
 
 /// A scene with the texts from which it was read.
 #[derive(Debug, Clone)]
 pub struct Document {
-    /// What they say.
+    /// The scene that the texts describe.
     pub scene: Scene,
     /// The texts.
     pub source: Source,
@@ -95,7 +95,7 @@ impl Document {
     /// Reads the scene in the file `path` and applies overrides `KEY=VALUE`.
     ///
     /// # Errors
-    /// [`Kind::Read`] if the file cannot be read; else those of [`Document::parse`].
+    /// [`Kind::Read`] if the file cannot be read; else as [`Document::parse`].
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, SceneError> {
         let name = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|e| {
@@ -110,10 +110,10 @@ impl Document {
         Self::parse(&text, &name, overrides)
     }
 
-    /// Reads the scene in `text`; `name` is that of its file, for messages.
+    /// Reads the scene in `text`; `name` is the name of its file, for messages.
     ///
     /// # Errors
-    /// Whatever is wrong with it.
+    /// The first error in the scene.
     pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
         let (name, text, overrides) = (name.to_owned(), text.to_owned(), overrides.to_vec());
         let source = Source { name, text, overrides, settings: Vec::new() };
@@ -123,7 +123,8 @@ impl Document {
         }
     }
 
-    /// Whether an override decides what a setting `KEY=VALUE` would set: it sets KEY itself or a table that KEY is in.
+    /// Whether an override takes precedence over a setting `KEY=VALUE`: it sets KEY itself or a table that contains
+    /// KEY.
     pub fn overrides(&self, setting: &str) -> bool {
         self.source.overrides.iter().any(|text| tree::decides(text, setting))
     }
@@ -133,7 +134,8 @@ impl Document {
         located(&self.source, error)
     }
 
-    /// The key in which the scene of other overrides of this text differs, its goal apart: the tolerance and the limits.
+    /// The first key in which the scene with other overrides differs from this one; `method.tolerance`, `max_dofs` and
+    /// `max_steps` are ignored.
     pub fn differing_key(&self, overrides: &[String]) -> Option<String> {
         let other = Source { overrides: overrides.to_vec(), ..self.source.clone() };
         let tree = |source: &Source| {
@@ -148,7 +150,7 @@ impl Document {
     }
 }
 
-/// The scene in a text; `name` is that of its file, for messages.
+/// The scene in a text; `name` is the name of its file, for messages.
 ///
 /// # Errors
 /// As [`Document::parse`].
@@ -164,7 +166,7 @@ pub fn read(path: &Path, overrides: &[String]) -> Result<Scene, SceneError> {
     Document::read(path, overrides).map(|document| document.scene)
 }
 
-/// The scene of a document, if nothing is wrong with it.
+/// The scene of a document, checked.
 fn checked(source: &Source) -> Result<Scene, ReadError> {
     let root = tree::build(source)?;
     let scene = scene(&root, source)?;
@@ -218,10 +220,10 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     Ok(Scene { title, units, problem, parameters, probe, probe_lines, probe_sides, method, expect, random, unused })
 }
 
-/// What is random in a scene: its names and what they are.
+/// The random inputs of a scene and their names.
 type Declared = Vec<(String, random::Declared)>;
 
-/// The problem of one body, or of a hole, with what is random in it and the names that its materials use.
+/// The problem of one body, or of a hole, with its random inputs and the names that its materials use.
 fn one_body(
     fields: &Fields<'_>,
     of_body: &Field<'_>,
@@ -280,7 +282,7 @@ fn one_body(
     let sides = sides::sides(fields.get("sides").as_ref(), &outline, context)?;
     let in_sides = context.used.take();
     let force = fields.get("body_force").map(|f| body::body_force(&f, context)).transpose()?;
-    // names of the force alone are told apart from those of sides
+    // names that the force alone uses do not count as used by sides
     context.used.replace(in_sides);
     let problem = problem(Parts { outline, substance: body, grid, sides, force, exterior })?;
     Ok((problem, declared, in_material))
@@ -330,10 +332,10 @@ fn cracked(
     Ok(problem)
 }
 
-/// What the tables say of the problem.
+/// The parts of the problem from its tables.
 struct Parts {
     outline: Polygon,
-    /// That of the body; none of a hole.
+    /// Material of the body; None for a hole.
     substance: Option<Substance>,
     grid: Option<GridInput>,
     sides: Vec<Given>,
@@ -373,7 +375,7 @@ fn has_force(problem: &Problem) -> bool {
     problem.bodies.iter().any(|body| body.force.is_some())
 }
 
-/// Whether a side or the medium loads, holds or touches the body.
+/// Checks that a side or the medium loads, holds or touches the body.
 fn something_acts(fields: &Fields<'_>, problem: &Problem) -> Result<(), ReadError> {
     let body = &problem.bodies[0];
     let by_side =
@@ -402,7 +404,7 @@ fn unused_parameters<'a>(
     parameters: &'a [(String, Vec<String>)],
     used: &dyn Fn(&str) -> bool,
 ) -> impl Iterator<Item = String> + use<'a> {
-    // an expression has the names above it only, so that the last ones are decided first
+    // an expression may use only names above it, so the last ones are decided first
     let mut reached: Vec<&str> = Vec::new();
     let mut unused = Vec::new();
     for (name, uses) in parameters.iter().rev() {
@@ -415,7 +417,7 @@ fn unused_parameters<'a>(
     unused.into_iter().rev()
 }
 
-/// `[material]`; with `cells` these give Young's modulus.
+/// `[material]`; with `cells` the cells give Young's modulus.
 fn substance(field: &Field<'_>, outline: &Polygon, context: &Context<'_>) -> Result<Substance, ReadError> {
     let fields = Fields::new(field, &keys::MATERIAL)?;
     match (fields.get("cells"), fields.get("young")) {

@@ -12,7 +12,7 @@ use super::form::Range;
 use super::keys;
 use super::tree::Value;
 
-/// The word for what the program chooses.
+/// The word for a value that the program chooses.
 pub(super) const AUTO: &str = "auto";
 
 /// The degrees of stabilised multipliers that have a word.
@@ -50,7 +50,7 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, ReadError> {
             _ => method.solver = field.choice(&SOLVERS)?,
         }
     }
-    // defaults that are written out do no harm
+    // a default may be written out
     let default = Method::default();
     let changed = [
         ("gamma", method.gamma != default.gamma),

@@ -8,10 +8,10 @@ use super::fields::{Field, Fields};
 use super::keys;
 use super::tree::suggestion;
 
-/// Points of a line that does not say how many it has.
+/// Default number of points of a line.
 pub(super) const POINTS: usize = 101;
 
-/// What the table names.
+/// The points, lines and sides of the table.
 #[derive(Default)]
 pub(super) struct Probes {
     pub(super) points: Vec<[f64; 2]>,

@@ -1,4 +1,4 @@
-//! `[random]` and `[stochastic]`: variables, fields, and how to solve for all of their values.
+//! `[random]` and `[stochastic]`: variables, fields, and the method that solves for all of their values.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ pub(super) const SAMPLINGS: [(&str, Sampling); 4] = [
 /// Whether stochastic elements are split, and the words.
 pub(super) const SPLITS: [(&str, bool); 2] = [("none", false), ("adaptive", true)];
 
-/// A random input as it stands in the scene.
+/// A random input as declared in the scene.
 pub(super) enum Declared {
     Variable(Variable),
     Field { covariance: Covariance, truncation: Truncation, support: Support, uniform: bool, place: Place },
@@ -69,9 +69,9 @@ pub(super) fn random(
     Ok(names)
 }
 
-/// Most germs of fields of which a rule can take points: two a germ are 2^64 of them.
+/// Largest number of germs of a scene with fields for a quadrature rule: two points per germ are 2^64 points.
 const RULE: usize = 64;
-/// Most germs of which samples are drawn in a bearable time.
+/// Largest number of germs of a scene with fields for samples in a bearable time.
 const DRAWN: usize = 512;
 
 /// The names that are used, with their germs; the expansions of fields are computed here.
@@ -126,7 +126,7 @@ pub(super) fn used(
     Ok((names, germs))
 }
 
-/// A field on a side has no value on the others.
+/// Refuses a field of one side in the data of another, where it has no value.
 pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -> Result<(), ReadError> {
     for (index, side) in problem.sides.iter().enumerate() {
         for (what, expression) in problem.side_data(index) {
@@ -144,7 +144,7 @@ pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -
     Ok(())
 }
 
-/// Poisson's ratio is the same for all outcomes: every ratio has boundary operators of its own.
+/// Refuses a random Poisson's ratio: every ratio would need boundary operators of its own.
 pub(super) fn check_poisson(
     material: &Field<'_>,
     declared: &[(String, Declared)],
@@ -164,7 +164,7 @@ pub(super) fn check_poisson(
     }
 }
 
-/// The numbers of a scene that use random names; `cavity`: its modulus is that of the medium.
+/// The numbers of a scene that use random names; with `cavity` its modulus is the medium's.
 pub(super) fn constants(
     scene: &Fields<'_>,
     cavity: bool,

@@ -3,7 +3,7 @@
 use super::form::{Fallback, Form, Key, Range, Table, Whole};
 use super::keys;
 
-/// Every key of a scene as Markdown: a section for each table, in it the keys with values, default, unit and meaning.
+/// Every key of a scene as Markdown: a section for each table, with the values, default, unit and meaning of each key.
 ///
 /// ```
 /// let reference = steklov_document::reference();

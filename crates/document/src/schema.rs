@@ -7,8 +7,9 @@ use super::keys;
 
 /// The JSON schema (draft 2020-12) of a scene: its keys, their types, words, ranges, defaults and meanings.
 ///
-/// What it refuses, the reader refuses. It knows neither names that the scene chooses, nor expressions, nor which keys exclude or
-/// need each other. A whole number may not be written as 16.0 in a scene, which JSON does not tell from 16.
+/// The reader refuses everything that the schema refuses. The schema knows neither names that the scene chooses, nor
+/// expressions, nor which keys exclude or need each other. A scene may not write a whole number as 16.0, but JSON does
+/// not distinguish it from 16.
 ///
 /// ```
 /// let schema = steklov_document::schema();
@@ -22,7 +23,7 @@ pub fn schema() -> Value {
     root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     root["title"] = json!("Scene of steklov");
     root["$defs"] = Value::Object(definitions);
-    // a side of one of several bodies stands in a table of its body
+    // with several bodies, a side is in the table of its body
     root["if"] = json!({ "properties": { "body": { "type": "array" } } });
     root["then"] = sides(&keys::SIDES_OF_BODIES);
     root["else"] = sides(&keys::SIDES);
@@ -74,7 +75,7 @@ fn property(key: &Key) -> Value {
     of
 }
 
-/// A value in TOML as JSON: defaults are numbers, texts, flags and lists of these, which both write alike.
+/// A value in TOML as JSON: defaults are numbers, texts, flags and lists of these, which TOML and JSON write alike.
 fn json_of(toml: &str) -> Value {
     serde_json::from_str(toml).expect("a default is a value of JSON too")
 }
@@ -86,7 +87,7 @@ fn form(form: &Form) -> Value {
         Form::Text => json!({ "type": "string" }),
         Form::Flag => json!({ "type": "boolean" }),
         Form::True => json!({ "const": true }),
-        // bounds are those of numbers: texts have none
+        // the bounds apply to numbers; texts have none
         Form::Expression(range) => bounded(json!({ "type": ["number", "string"] }), range),
         Form::Words(words) => json!({ "enum": words }),
         Form::Point => list(&Form::Number(keys::FINITE), Some(2)),

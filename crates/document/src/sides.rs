@@ -1,4 +1,4 @@
-//! `[sides.NAME]`: what holds, loads or touches each side.
+//! `[sides.NAME]`: support, load or contact of each side.
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::Expression;
@@ -9,7 +9,7 @@ use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
 
-/// What a table says of a side.
+/// The data of a side in a table.
 #[derive(Default)]
 pub(super) struct Given {
     pub(super) condition: Condition,
@@ -18,7 +18,7 @@ pub(super) struct Given {
 }
 
 impl Given {
-    /// Gives it to a side of a problem.
+    /// Gives the data to a side of a problem.
     pub(super) fn to(self, problem: &mut Problem, side: usize) {
         if let Some(contact) = self.contact {
             problem.touch(side, contact);
@@ -27,7 +27,7 @@ impl Given {
     }
 }
 
-/// What is said of the sides, in the order of [`Polygon::side_names`].
+/// The data of all sides, in the order of [`Polygon::side_names`].
 pub(super) fn sides(
     field: Option<&Field<'_>>,
     polygon: &Polygon,
@@ -47,7 +47,7 @@ pub(super) fn sides(
     Ok(sides)
 }
 
-/// What a table says of a side.
+/// The data of a side in a table.
 pub(super) fn given(field: &Field<'_>, context: &Context<'_>) -> Result<Given, ReadError> {
     let fields = Fields::new(field, &keys::SIDE)?;
     let springs = fields.get("springs").map(|field| springs(&field, context)).transpose()?;

@@ -9,18 +9,18 @@ pub struct Source {
     pub text: String,
     /// The overrides `KEY=VALUE`, in order.
     pub overrides: Vec<String>,
-    /// What a study sets, `KEY=VALUE`: keys that no override decides.
+    /// Settings `KEY=VALUE` of a study, for keys that no override decides.
     pub settings: Vec<String>,
 }
 
 impl Source {
-    /// The text that a place counts in: 0 is the file, then the overrides, then the settings.
+    /// The text to which a place refers: 0 is the file, then come the overrides, then the settings.
     pub fn part(&self, source: usize) -> &str {
         let change = source.checked_sub(1).and_then(|k| self.changes().nth(k));
         change.unwrap_or(&self.text)
     }
 
-    /// Overrides and settings, in the order in which places count them.
+    /// Overrides and settings, numbered in this order by places.
     pub fn changes(&self) -> impl Iterator<Item = &String> {
         self.overrides.iter().chain(&self.settings)
     }

@@ -1,4 +1,4 @@
-//! The scene as a tree of values that know their place in the text; overrides are put into it.
+//! The scene as a tree of values, each with its place in the text, with overrides applied.
 
 use steklov_expression::{Place, nearest};
 use steklov_problem::DataErrorKind;
@@ -20,7 +20,7 @@ pub(super) enum Value {
     Table(Vec<Entry>),
 }
 
-/// A value and where it stands.
+/// A value and its place.
 #[derive(Debug, Clone)]
 pub(super) struct Item {
     pub(super) value: Value,
@@ -41,7 +41,7 @@ impl Item {
 }
 
 impl Item {
-    /// Whether these are the same values, wherever they stand, in whatever order, and however numbers are written.
+    /// Whether the values are equal, regardless of their places, the order of keys and the notation of numbers.
     pub(super) fn same(&self, other: &Item) -> bool {
         match (&self.value, &other.value) {
             (Value::Table(a), Value::Table(b)) => {
@@ -58,7 +58,7 @@ impl Item {
         }
     }
 
-    /// Path of the first key whose value is another one, or that only one of the two has.
+    /// Path of the first key whose values differ, or that only one of the two has.
     pub(super) fn difference(&self, other: &Item) -> Option<String> {
         let (Value::Table(a), Value::Table(b)) = (&self.value, &other.value) else {
             return (!self.same(other)).then(String::new);
@@ -92,7 +92,7 @@ pub(super) struct Entry {
 /// The tree of the file with overrides and settings applied in order.
 pub(super) fn build(source: &Source) -> Result<Item, ReadError> {
     let mut root = document(&source.text, 0)?;
-    // What a message about a missing table points at: the first line that says something.
+    // A message about a missing table points at the first line that is not blank.
     let first = source.text.lines().find(|l| !l.trim().is_empty()).unwrap_or("");
     let start = source.text.find(first).unwrap_or(0);
     root.place = Place { source: 0, start, end: start + first.len() };
@@ -124,7 +124,7 @@ fn document(text: &str, source: usize) -> Result<Item, ReadError> {
         .map(|e| Item { value: Value::Table(e), place: Place { source, start: span.start, end: span.end } })
 }
 
-/// What to write where a text ends to be TOML at a comma: in a number, or before the next override.
+/// Help for a text that stops being TOML at a comma: in a number, or before the next override.
 fn at_comma(text: &str, at: usize, is_override: bool) -> Option<String> {
     let (before, after) = (text.get(..at)?, text.get(at..)?.strip_prefix(',')?);
     let is_number = |c: char| c.is_ascii_digit() || "+-.eE_".contains(c);
@@ -162,7 +162,7 @@ fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, ReadError> 
                 )
             })?)
         }
-        // The parser has checked the form; what is too large becomes infinite and is refused by its key.
+        // The parser has checked the form; a number that is too large becomes infinite, and its key refuses it.
         DeValue::Float(digits) => Value::Float(digits.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Boolean(value) => Value::Boolean(*value),
         DeValue::Datetime(_) => Value::Date,
@@ -183,7 +183,7 @@ fn set(root: &mut Item, text: &str, source: usize) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Whether an override decides what another one, a setting, would set: its key is the same, or one that the other key is in.
+/// Whether an override takes precedence over a setting: its key is the same, or contains the key of the setting.
 pub(super) fn decides(text: &str, setting: &str) -> bool {
     match (read_override(text, 0), read_override(setting, 0)) {
         (Ok((path, _)), Ok((own, _))) => path.iter().zip(own).all(|(key, own)| key.0 == own.0),
@@ -226,7 +226,7 @@ fn read_override(text: &str, source: usize) -> Result<(Vec<(String, Place)>, Ite
     Ok((path, rest))
 }
 
-/// Place of the first equals sign outside of quotes.
+/// Position of the first equals sign outside of quotes.
 fn equals(text: &str) -> Option<usize> {
     let mut quote = None;
     for (k, c) in text.char_indices() {
@@ -240,7 +240,7 @@ fn equals(text: &str) -> Option<usize> {
     None
 }
 
-/// Number of keys on the way to the only value of nested tables.
+/// Number of keys on the path to the only value of nested tables.
 fn depth(item: &Item) -> Option<usize> {
     match &item.value {
         Value::Table(entries) if entries.len() == 1 => depth(&entries[0].item).map(|d| d + 1),
@@ -249,7 +249,7 @@ fn depth(item: &Item) -> Option<usize> {
     }
 }
 
-/// The value of the k-th key of the path in `target`; a key that is not there is made, for its table to judge.
+/// The value of the k-th key of the path in `target`; a missing key is created, and its table judges it later.
 fn step<'a>(target: &'a mut Item, path: &[(String, Place)], k: usize) -> Result<&'a mut Item, ReadError> {
     let (key, place) = (&path[k].0, path[k].1);
     let parent = path[..k].iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(".");

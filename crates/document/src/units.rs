@@ -1,4 +1,4 @@
-//! `[units]`: what the units of the scene are called.
+//! `[units]`: the names of the units of the scene.
 
 use steklov_problem::Units;
 

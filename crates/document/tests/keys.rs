@@ -1,4 +1,4 @@
-//! The schema and the reference against what the reader does.
+//! Compares the schema and the reference with the reader.
 
 mod validator;
 
@@ -190,7 +190,7 @@ fn scenes() -> Vec<(String, String)> {
     scenes
 }
 
-/// A scene whose moduli stand in a file.
+/// A scene whose moduli are in a file.
 fn of_a_file() -> (String, String) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let label = steklov_io::label("stress", "Young's modulus", &["row", "column"]);
@@ -252,7 +252,7 @@ fn the_schema_takes_all_sound_scenes_and_they_have_all_keys() {
     assert!(unseen.is_empty(), "no scene of this test has {unseen:?}");
 }
 
-/// Whether the reader refuses what a schema can know: keys, types and words.
+/// Whether the error is one that a schema can find: keys, types and words.
 fn is_formal(error: &SceneError) -> bool {
     match error.kind {
         SceneErrorKind::WrongType => true,
@@ -274,7 +274,7 @@ impl Draw {
     }
 }
 
-/// Changes of a scene: a key that no table has, and other values of what is there.
+/// Changes of a scene: a key that no table has, and other values of existing keys.
 fn changes(scene: &Value, draw: &mut Draw, count: usize) -> Vec<(Vec<String>, Value)> {
     let mut all = vec![Vec::new()];
     paths(scene, &[], &mut all);
@@ -349,11 +349,11 @@ fn schema_and_reader_refuse_alike_what_is_changed() {
         }
     }
     assert!(wrong.is_empty(), "{} of {counts:?}:\n{}", wrong.len(), wrong.join("\n"));
-    // the change must meet both what is refused and what is not
+    // the changes must include refused and accepted scenes
     assert!(counts[&(false, false)] > 1000 && counts[&(true, true)] > 100, "{counts:?}");
 }
 
-/// A scene without the places of its text, the defaults that depend on other keys filled in.
+/// A scene as text, without places, and with the defaults filled in that depend on other keys.
 fn told(mut scene: Scene) -> String {
     let method = &mut scene.method;
     (method.tolerance, method.elements, method.max_dofs) =

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-/// The keys `DEFINITION.KEY` that a value has and where they stand, or where it is refused and by which keyword.
+/// The keys `DEFINITION.KEY` of a value with their places, or the place and the keyword that refuse it.
 pub fn validate(root: &Value, value: &Value) -> Result<BTreeSet<(String, String)>, String> {
     of(root, ("scene", root), value, "")
 }
