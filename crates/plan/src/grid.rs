@@ -8,7 +8,7 @@ use steklov_problem::{
 
 use super::{Cost, Decision, MODULI, Plan, contact, decision, far_away, plane};
 
-/// Bytes that the moduli, the fields and the result of a fine cell take.
+/// Bytes for the moduli, the fields and the result of a fine cell.
 const BYTES_OF_CELL: f64 = 200.0;
 
 /// The plan of a scene on a grid, with or without a medium around the body, and its cost.
@@ -65,7 +65,7 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
     Plan { model: scene.model().word().into(), modelled, left_out, cost: cost(scene, input) }
 }
 
-/// Which elements, and why.
+/// The decision about the elements.
 fn discretisation(scene: &Scene, input: &GridInput) -> Decision {
     let multiscale = scene.is_multiscale();
     let one_modulus = scene.body().cells().is_some_and(|cells| cells.young.constant().is_some());
@@ -89,7 +89,7 @@ fn discretisation(scene: &Scene, input: &GridInput) -> Decision {
     }
 }
 
-/// How the grid is refined.
+/// The decision about the refinement of the grid.
 fn refinement(scene: &Scene, conforming: bool) -> Decision {
     match (scene.method.refine, scene.is_multiscale()) {
         (Refine::None, _) => decision("refinement", "none", "one grid is solved"),
@@ -129,7 +129,7 @@ fn refinement(scene: &Scene, conforming: bool) -> Decision {
     }
 }
 
-/// The medium around the body, and its boundary elements.
+/// The decisions about the medium around the body and its boundary elements.
 fn medium(scene: &Scene, around: Surroundings<'_>) -> [Decision; 2] {
     let medium = decision(
         "medium around",
@@ -153,7 +153,7 @@ fn medium(scene: &Scene, around: Surroundings<'_>) -> [Decision; 2] {
     [medium, elements]
 }
 
-/// How the error is estimated.
+/// The decision about the error estimate.
 fn estimate(multiscale: bool, conforming: bool) -> Decision {
     if !conforming {
         return decision("error estimate", "none", "the basis does not conform: no residual sees its whole error");
@@ -231,7 +231,7 @@ fn cost(scene: &Scene, input: &GridInput) -> Cost {
     let (cells, n) = (fine.0 as f64, coarse.1 as f64);
     let local = if scene.is_multiscale() {
         let [m, k] = input.fine.map(|m| m as f64);
-        // kept bases, and the local problem that each of two threads has: structure, factor, fields
+        // kept bases, and the local problem of each of two threads: structure, factor, fields
         let one = 2.0 * m * k;
         let local = 400.0 * m * k + 2.0 * (factor(one.max(2.0)) + 400.0 * one);
         (coarse.0 as f64 * 128.0 * (m + 1.0) * (k + 1.0)).min(128e6) + local

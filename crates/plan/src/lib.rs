@@ -1,4 +1,4 @@
-//! The least model that can answer a scene, chosen before anything is solved.
+//! The smallest model that can answer a scene, chosen before anything is solved.
 //!
 //! ```
 //! use steklov_plan::plan;
@@ -40,16 +40,16 @@ use steklov_problem::{
     Drawn, Friction, Interface, Law, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver, facets,
 };
 
-/// What is modelled and why, what is left out, what it costs. A pure function of the scene.
+/// The modelled parts with reasons, the parts left out, and the cost. A pure function of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Discretisation: "bem", "fem", "msfem", "fem-bem" or "msfem-bem".
     pub model: String,
-    /// What is modelled.
+    /// The modelled parts.
     pub modelled: Vec<Decision>,
-    /// What is left out.
+    /// The parts left out.
     pub left_out: Vec<Decision>,
-    /// What the first mesh costs.
+    /// The cost of the first mesh.
     pub cost: Cost,
 }
 
@@ -61,9 +61,9 @@ const CONTACT_SOLVER: &str = "contact solver";
 pub struct Decision {
     /// The subject of the decision.
     pub what: String,
-    /// What was chosen.
+    /// The choice.
     pub choice: String,
-    /// Why.
+    /// The reason.
     pub why: String,
 }
 
@@ -74,7 +74,7 @@ pub struct Cost {
     pub elements: usize,
     /// Displacement unknowns, held ones included.
     pub dofs: usize,
-    /// Bytes of the matrices that are held at once.
+    /// Bytes of the matrices that are in memory at once.
     pub memory_bytes: u64,
     /// Floating point operations of the linear algebra.
     pub operations: f64,
@@ -95,13 +95,13 @@ pub fn plan(scene: &Scene) -> Plan {
     plan
 }
 
-/// The subject of the decision where memory ends the refinement.
+/// The subject of the decision when memory ends the refinement.
 pub const NEXT_MESH: &str = "next mesh";
 
 /// The subject of the decision about the moduli of a body on a grid.
 pub const MODULI: &str = "Young's modulus";
 
-/// The mesh that memory leaves out, and why.
+/// The decision about the mesh for which memory is too small.
 pub fn without_memory(lack: Lack) -> Decision {
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
     let why = format!(
@@ -114,7 +114,7 @@ pub fn without_memory(lack: Lack) -> Decision {
     Decision { what: NEXT_MESH.into(), choice: "none".into(), why }
 }
 
-/// Up to which size meshes are refined.
+/// The decision about the largest size of meshes.
 pub fn largest_mesh(scene: &Scene) -> Decision {
     let Method { max_dofs, memory, .. } = scene.method;
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
@@ -131,7 +131,7 @@ pub fn largest_mesh(scene: &Scene) -> Decision {
     Decision { what: "largest mesh".into(), choice: format!("{} dofs", scene.method.max_dofs()), why }
 }
 
-/// Plane strain or plane stress.
+/// The plane assumption in words.
 pub(crate) fn plane(scene: &Scene) -> &'static str {
     match scene.body().material().plane {
         Plane::Strain => "plane strain",
@@ -200,7 +200,7 @@ fn decision(what: &str, choice: impl Into<String>, why: impl Into<String>) -> De
     Decision { what: what.into(), choice: choice.into(), why: why.into() }
 }
 
-/// Where the unknowns of boundary elements are.
+/// The decision about boundary elements and their unknowns.
 fn discretisation(scene: &Scene) -> Decision {
     let (choice, why) = match (scene.is_inclusion(), scene.is_cavity()) {
         (true, _) => (
@@ -218,7 +218,7 @@ fn discretisation(scene: &Scene) -> Decision {
     decision("discretisation", choice, why)
 }
 
-/// How the mesh is refined.
+/// The decision about the refinement of the mesh.
 fn refinement(method: &Method) -> Decision {
     let theta = |auto: f64| format!("marks θ = {} of the squared error", method.marking.unwrap_or(auto));
     let (choice, why) = match method.refine {
@@ -240,7 +240,7 @@ fn refinement(method: &Method) -> Decision {
     decision("refinement", choice, why)
 }
 
-/// The parts that an interface covers, and the side that carries its multipliers.
+/// The decision about an interface: the parts that it covers, and the side that carries its multipliers.
 fn joint(scene: &Scene, interface: &Interface) -> Decision {
     let problem = &scene.problem;
     let names = |sides: &[usize]| sides.iter().map(|&s| problem.sides[s].name.as_str()).collect::<Vec<_>>().join(", ");
@@ -284,7 +284,7 @@ fn joint(scene: &Scene, interface: &Interface) -> Decision {
     }
 }
 
-/// The forces on the bodies.
+/// Adds the decisions about the forces on the bodies.
 fn body_forces(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
     let several = scene.problem.has_several_bodies();
     let before = modelled.len();
@@ -299,7 +299,7 @@ fn body_forces(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<D
     }
 }
 
-/// What the first mesh of boundary elements costs.
+/// The cost of the first mesh of boundary elements.
 fn cost(scene: &Scene, mesh: &Mesh, dofs: usize, estimated: bool) -> Cost {
     let (n, x) = (dofs as f64, if estimated { 2.0 * mesh.len() as f64 } else { 0.0 });
     let mut operations = n * n * (n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0) + 6.0 * x);
@@ -310,7 +310,7 @@ fn cost(scene: &Scene, mesh: &Mesh, dofs: usize, estimated: bool) -> Cost {
     Cost { elements: mesh.len(), dofs, memory_bytes: memory_bytes(scene, mesh.len(), dofs), operations }
 }
 
-/// The far field of an unbounded medium.
+/// Adds the decisions about the far field of an unbounded medium.
 pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
     let (Some(far), Some(radiation)) = (scene.far(), scene.problem.radiation_of_medium()) else { return };
     let (choice, why) = match radiation {
@@ -337,7 +337,7 @@ pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &m
     list.push(Decision { what: "remote stress".into(), choice, why: why.into() });
 }
 
-/// Straight edges that stand for curves, and the keys that have the curves.
+/// The decisions about straight edges that approximate curves, with the keys for the curves themselves.
 fn polygons_for_curves(scene: &Scene) -> Vec<Decision> {
     let told = |found: &steklov_problem::Facets| {
         let side = &scene.problem.sides[found.side].name;
@@ -355,7 +355,7 @@ fn polygons_for_curves(scene: &Scene) -> Vec<Decision> {
     facets(&scene.problem.outline).iter().map(told).collect()
 }
 
-/// How many elements there are and why.
+/// The decision about the number of elements.
 fn elements(scene: &Scene, number: usize) -> Decision {
     let wanted = scene.first_elements();
     let uniform = Mesh::uniform(&scene.problem.outline, wanted, scene.method.degree).len();
@@ -426,7 +426,7 @@ pub(crate) fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mu
     modelled.push(Decision { what: CONTACT_SOLVER.into(), choice: choice.into(), why: why.into() });
 }
 
-/// Settings of contact in a scene without contact.
+/// Adds the settings of contact in a scene without contact.
 fn idle(method: &Method, left_out: &mut Vec<Decision>) {
     let asked = [
         ("multipliers", "stabilised", method.multiplier == Multiplier::Stabilised),
@@ -438,7 +438,7 @@ fn idle(method: &Method, left_out: &mut Vec<Decision>) {
     }
 }
 
-/// The space of stabilised multipliers and their γ.
+/// The decision about the space of stabilised multipliers and their γ.
 fn multipliers(method: &Method) -> Decision {
     let mesh = MULTIPLIER_MESHES.iter().find(|m| m.1 == method.multiplier_mesh).map_or("", |m| m.0);
     let degree = match method.multiplier_degree {

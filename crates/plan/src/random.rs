@@ -1,4 +1,4 @@
-//! The cost of random input, and which of it moves the data.
+//! The cost of random input, and the effect of its germs on the data.
 
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_model::stochastic::{intervals, is_coupled, method};
@@ -7,11 +7,11 @@ use steklov_stochastic::smolyak;
 
 use super::Decision;
 
-/// Points along an edge at which data are compared.
+/// Number of intervals along an edge, at whose ends data are compared.
 const STEPS: usize = 32;
-/// Germs beyond which no sparse grid is made.
+/// Largest number of germs of a sparse grid.
 const MANY: usize = 64;
-/// Germs that are named one by one.
+/// Largest number of germs that are named one by one.
 const NAMED: usize = 8;
 
 /// Number of points at which a scene is solved, before any refinement of the stochastic mesh.
@@ -27,7 +27,7 @@ pub fn points(scene: &Scene, random: &Random) -> f64 {
     }
 }
 
-/// Points of the sparse grid; none if it is beyond what can be made.
+/// Points of the sparse grid; None if it is too large to be made.
 fn sparse(random: &Random) -> Option<f64> {
     if random.germs.len() > MANY {
         return None;
@@ -36,7 +36,7 @@ fn sparse(random: &Random) -> Option<f64> {
     smolyak(&variables, random.stochastic.level).ok().map(|grid| grid.points.len() as f64)
 }
 
-/// Adds the model of random input, or that there is none.
+/// Adds the decisions about random input, or that there is none.
 pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
     let decision = |what: &str, choice: String, why: String| Decision { what: what.into(), choice, why };
     let Some(random) = &scene.random else {
@@ -102,7 +102,8 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
     }
 }
 
-/// How far one deviation of a germ to both sides moves the data.
+/// Half of the change of the data from one deviation of a germ below its median to one above: between its quantiles
+/// 0.159 and 0.841.
 struct Moved {
     /// Change of E, relative.
     young: f64,
@@ -137,7 +138,8 @@ impl Moved {
     }
 }
 
-/// A cheap sensitivity: the data, not the answers, at one deviation of each germ to both sides of the others' middle.
+/// A cheap sensitivity of the data, not of the answers: each germ at its quantiles 0.159 and 0.841, the others at their
+/// medians.
 fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
     let middle: Vec<f64> = random.germs.iter().map(|g| g.variable.quantile(0.5)).collect();
     let one = |d: usize| {

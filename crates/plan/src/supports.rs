@@ -1,4 +1,4 @@
-//! What holds bodies of boundary elements: supports and springs.
+//! Supports and springs of bodies with boundary elements.
 
 use steklov_elastic::RigidMotion;
 use steklov_expression::Expression;
@@ -7,13 +7,13 @@ use steklov_problem::{Scene, Springs};
 
 use crate::{Decision, decision};
 
-/// The decisions about them.
+/// Adds the decisions about supports and springs.
 pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>) {
     modelled.push(supports(scene));
     springs(scene, modelled);
 }
 
-/// What holds several bodies: supports, and interfaces alone.
+/// The decision about the supports of several bodies, some of which only interfaces may hold.
 fn supports_of_several(scene: &Scene) -> Decision {
     let problem = &scene.problem;
     let loose: Vec<String> = (0..problem.outline.bodies().len())
@@ -30,7 +30,7 @@ fn supports_of_several(scene: &Scene) -> Decision {
     decision("supports", choice, "only interfaces hold them there, or the loads must be balanced")
 }
 
-/// What holds the body of boundary elements.
+/// The decision about the supports.
 fn supports(scene: &Scene) -> Decision {
     if scene.problem.has_several_bodies() {
         return supports_of_several(scene);
@@ -51,7 +51,7 @@ fn supports(scene: &Scene) -> Decision {
     decision("supports", choice, why)
 }
 
-/// The springs on sides.
+/// Adds the decisions about springs on sides.
 fn springs(scene: &Scene, modelled: &mut Vec<Decision>) {
     for side in &scene.problem.sides {
         let Some(springs) = &side.springs else { continue };
