@@ -1,4 +1,4 @@
-//! Half-written files of runs that were killed: locked by the program that writes them, so that an unlocked one is nobody's.
+//! Half-written files of killed runs. A program locks the file that it writes, so an unlocked one is abandoned.
 
 use std::fs::{self, File};
 use std::os::unix::fs::MetadataExt;
@@ -9,8 +9,8 @@ use crate::file::SUFFIX;
 /// Letters and digits between prefix and suffix.
 pub(crate) const RANDOM: usize = 6;
 
-/// Locks a file that this program has just made, and says whether it is still there: another program may have taken it for
-/// abandoned before it was locked. Where the file system has no locks nothing is ever taken for abandoned.
+/// Locks a file that this program has just made, and returns whether it is still there: another program may have
+/// removed it as abandoned before it was locked. On a file system without locks no file counts as abandoned.
 pub(crate) fn hold(made: &File) -> bool {
     use std::fs::TryLockError::WouldBlock;
     !matches!(made.try_lock(), Err(WouldBlock)) && made.metadata().map_or(true, |made| made.nlink() > 0)

@@ -1,4 +1,4 @@
-//! Attributes. They lie in object headers, which carry a checksum of their own, so an altered one is noticed.
+//! Attributes. They are in object headers, which have their own checksum, so an altered attribute is noticed.
 
 use hdf5::types::{TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Attribute, Location};
@@ -47,7 +47,7 @@ pub fn write_text_attribute(at: &Location, name: &str, text: &str) -> Result<(),
     write_strings(at, name, &[], &[text], false)
 }
 
-/// The same in ASCII, as VTK wants it.
+/// As [`write_text_attribute`], in ASCII for VTK.
 pub(crate) fn write_ascii_attribute(at: &Location, name: &str, text: &str) -> Result<(), IoError> {
     write_strings(at, name, &[], &[text], true)
 }

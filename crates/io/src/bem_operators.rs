@@ -1,6 +1,6 @@
 //! [`Persist`] for the types of `steklov-bem-operators`.
 //!
-//! The space of a stored mesh is numbered anew from it with the same bits; a space alone is stored by its numbers and points.
+//! The space of a stored mesh is rebuilt from it with the same bits; a space alone is stored as its numbers and points.
 
 use hdf5::Group;
 use steklov_bem_operators::{Loop, Mesh, Operators, Path, Polygon, Shape, Space, edge_tangents};
@@ -26,7 +26,7 @@ impl Persist for Polygon {
     const VERSION: u32 = 3;
     const OLDEST: u32 = 1;
 
-    /// 1 of one bounded body with straight edges only, 2 of one with curved edges.
+    /// 1 for one bounded body with straight edges only, 2 for one with curved edges, 3 for all others.
     fn version(&self) -> u32 {
         match self.bodies().len() {
             1 if self.is_bounded() && !self.is_curved() => 1,
@@ -36,7 +36,7 @@ impl Persist for Polygon {
     }
 
     fn write(&self, at: &Group) -> Result<(), IoError> {
-        // pieces between cracks are not valid outlines by themselves
+        // pieces between cracks alone are not valid outlines
         if rebuilt(self).as_ref() != Ok(self) {
             return Err(invalid(at, "", "a body that cracks cut is not stored: store the body and its cracks"));
         }
@@ -98,7 +98,7 @@ impl Persist for Polygon {
     }
 }
 
-/// The polygon of bodies, each with its first loop and the one behind its last, and whether it is bounded.
+/// The polygon of bodies, each with its first loop, the loop after its last one, and whether it is bounded.
 fn outline(loops: &[Loop], bodies: &[([usize; 2], bool)]) -> Result<Polygon, String> {
     let mut all = Vec::new();
     for &([first, end], bounded) in bodies {
@@ -113,7 +113,7 @@ fn outline(loops: &[Loop], bodies: &[([usize; 2], bool)]) -> Result<Polygon, Str
     if all.is_empty() { Err("there is no body".into()) } else { Ok(Polygon::assembly(all)) }
 }
 
-/// The polygon made anew from what is stored of it.
+/// The polygon rebuilt from its stored data.
 fn rebuilt(polygon: &Polygon) -> Result<Polygon, String> {
     let of_loop = |edges: &std::ops::Range<usize>| {
         let edges = &polygon.edges()[edges.clone()];
@@ -136,7 +136,7 @@ impl Persist for Mesh {
     const VERSION: u32 = 2;
     const OLDEST: u32 = 1;
 
-    /// 1 with straight elements only.
+    /// 1 with straight elements only, else 2.
     fn version(&self) -> u32 {
         if self.shape.iter().all(|s| *s == Shape::Line) { 1 } else { 2 }
     }
@@ -215,7 +215,7 @@ impl Persist for Space {
     }
 }
 
-/// Number of the kind of a path, and its numbers.
+/// Number of the kind of a path, and its parameters.
 fn path_numbers(path: Path) -> (usize, [f64; 5]) {
     match path {
         Path::Line => (0, [0.0; 5]),

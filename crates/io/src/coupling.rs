@@ -1,6 +1,6 @@
 //! [`Persist`] for the types of `steklov-coupling`.
 //!
-//! The space of a medium is numbered anew from its mesh, with the same bits.
+//! The space of a medium is rebuilt from its mesh, with the same bits.
 
 use hdf5::Group;
 use sprs::CsMat;
@@ -19,7 +19,7 @@ const TRACE: &str = "unknown of the trace";
 const DISPLACEMENT: &str = "displacement of the boundary elements: nodes, component fastest";
 const TRACTION: &str = "traction of the boundary elements: Legendre coefficients by element, component fastest";
 
-/// Distance of a point from its edge, in parts of the edge, that is rounding.
+/// Distance of a point from its edge, in parts of the edge, that counts as rounding.
 const ACROSS: f64 = 1e-9;
 
 /// Demands numbers that are neither NaN nor infinite.
@@ -51,7 +51,7 @@ fn load_pair(at: &Group, name: &str) -> Result<[f64; 2], IoError> {
     Ok([values[0], values[1]])
 }
 
-/// Squares of energies: no number among them is negative or NaN.
+/// Squares of energy norms: none may be negative or NaN.
 fn load_squares(at: &Group, name: &str, n: Option<usize>) -> Result<Vec<f64>, IoError> {
     let values = load_vector(at, name)?;
     check_length(at, name, values.len(), n.unwrap_or(values.len()))?;
@@ -61,7 +61,7 @@ fn load_squares(at: &Group, name: &str, n: Option<usize>) -> Result<Vec<f64>, Io
     }
 }
 
-/// Whether the points run along the outline, one edge after the other from corner to corner.
+/// Checks that the points run along the outline, one edge after the other from corner to corner.
 fn check_points(polygon: &Polygon, points: &[[f64; 2]]) -> Result<(), String> {
     let mut k = 0;
     for (number, edge) in polygon.edges().iter().enumerate() {
@@ -137,7 +137,7 @@ impl Persist for Transfer {
 
     fn read(at: &Group) -> Result<Self, IoError> {
         let (projection, mass) = (load_finite_sparse(at, "projection")?, load_finite_sparse(at, "mass")?);
-        // closed loops have as many coefficients of tractions as nodes
+        // a closed loop has as many coefficients of tractions as nodes
         if projection.shape() != mass.shape() {
             return Err(mismatch(
                 at,

@@ -1,4 +1,4 @@
-//! Arrays of numbers: typed, labelled, under a checksum.
+//! Arrays of numbers: typed, labelled, with a checksum.
 
 use hdf5::filters::Filter::{Deflate, Fletcher32, Shuffle};
 use hdf5::types::{H5Type, TypeDescriptor};
@@ -21,7 +21,7 @@ pub struct Label<'a> {
     pub axes: &'a [&'a str],
 }
 
-/// A [`Label`] of these.
+/// A [`Label`] with this unit, meaning and axes.
 pub fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }
 }
@@ -37,18 +37,19 @@ pub struct StoredLabel {
     pub axes: Vec<String>,
 }
 
-/// Values in a chunk, at most: 1 MiB of f64. Each chunk has a Fletcher-32 checksum.
+/// Largest number of values in a chunk: 1 MiB of f64. Each chunk has a Fletcher-32 checksum.
 pub(crate) const CHUNK: usize = 1 << 17;
 
-/// Rows of a chunk: as many as it may hold, but alike in all chunks, as the last one takes the room of a whole one.
+/// Rows of a chunk: as many as it may hold, but distributed evenly over the chunks, because the last one takes the
+/// space of a whole one.
 fn chunk_rows(shape: &[usize]) -> usize {
     let columns = shape[1..].iter().product::<usize>().max(1);
     let chunks = shape[0].div_ceil((CHUNK / columns).max(1)).max(1);
     shape[0].div_ceil(chunks).max(1)
 }
 
-/// Makes a dataset of any type: chunked under a checksum, or without space in the file if it is empty (the checksum of the
-/// object header covers the extents).
+/// Makes a dataset of any type: chunked with a checksum, or without space in the file if it is empty (the checksum of
+/// the object header covers the extents).
 pub(crate) fn create(
     at: &Group,
     name: &str,
@@ -81,10 +82,11 @@ pub(crate) fn create(
     Ok(dataset)
 }
 
-/// Opens a dataset whose content is wholly in the file, so that a size from a damaged header is never allocated.
+/// Opens a dataset and checks that its whole content is in the file, so that no size from a damaged header is
+/// allocated.
 pub(crate) fn open(at: &Group, name: &str) -> Result<Dataset, IoError> {
     if !at.link_exists(name) {
-        // A damaged list of links is no missing dataset.
+        // A damaged list of links is not a missing dataset.
         at.member_names().map_err(|e| damaged(at, "", e))?;
         return Err(missing(at, name));
     }
@@ -145,7 +147,7 @@ fn open_numbers<T: H5Type>(at: &Group, name: &str, rank: usize) -> Result<Datase
     Ok(dataset)
 }
 
-/// Writes an n×m array that `rows` delivers in blocks of whole rows, so that no second copy of it is needed.
+/// Writes an n×m array that `rows` delivers in blocks of whole rows, without a second copy of it.
 pub(crate) fn write_rows(
     at: &Group,
     name: &str,
@@ -160,16 +162,16 @@ pub(crate) fn write_rows(
     written.finish()
 }
 
-/// An n×m array that is written from its first row to its last, as they come.
+/// An n×m array that is written row by row, from the first to the last.
 pub struct Rows {
     at: Group,
     name: String,
     dataset: Dataset,
     shape: [usize; 2],
-    /// Rows that are written at a time.
+    /// Number of rows that are written at a time.
     block: usize,
     written: usize,
-    /// Rows that are not.
+    /// Rows that are not written yet.
     waiting: Vec<f64>,
 }
 
@@ -182,10 +184,10 @@ impl Rows {
         Ok(Self { at, name, dataset, shape: [n, m], block, written: 0, waiting: Vec::new() })
     }
 
-    /// The next rows, one behind the other.
+    /// Adds the next rows, one after the other.
     ///
     /// # Errors
-    /// [`IoError::Write`], also of more rows than the array has, or of a part of one.
+    /// [`IoError::Write`], also for more rows than the array has, or for a part of a row.
     pub fn push(&mut self, rows: &[f64]) -> Result<(), IoError> {
         let [n, m] = self.shape;
         self.waiting.extend_from_slice(rows);
@@ -211,10 +213,10 @@ impl Rows {
         Ok(())
     }
 
-    /// Writes the rest.
+    /// Writes the remaining rows.
     ///
     /// # Errors
-    /// [`IoError::Write`], also where rows are missing.
+    /// [`IoError::Write`], also if rows are missing.
     pub fn finish(mut self) -> Result<(), IoError> {
         let [n, m] = self.shape;
         self.write(self.waiting.len() / m.max(1))?;

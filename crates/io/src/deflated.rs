@@ -1,7 +1,8 @@
-//! Arrays of many equal bytes, as indices are: shuffled, deflated, and then under the same checksum as all others.
+//! Arrays with many equal bytes, for example indices: shuffled, deflated, and then with the same checksum as all
+//! others.
 //!
-//! The library inflates a chunk to whatever its bytes ask for, a thousand times their number. So a deflated dataset is
-//! inflated here before, into nothing, and each chunk has to give the bytes of its shape and no more.
+//! The library inflates a chunk to any size that its bytes ask for, up to a thousand times their number. So a deflated
+//! dataset is first inflated here without keeping the bytes, and each chunk must give exactly the bytes of its shape.
 
 use std::collections::HashSet;
 use std::fs;
@@ -15,33 +16,35 @@ use crate::dataset::CHUNK;
 use crate::error::{IoError, damaged, mismatch, no_deflate};
 use crate::raw::byte_sizes;
 
-/// How the chunks of a dataset are kept.
+/// The storage of the chunks of a dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Storage {
-    /// As they are.
+    /// Plain bytes.
     Plain,
-    /// Deflated, if there are enough of them and the library can.
+    /// Deflated, if there are enough values and the library has zlib.
     Deflated,
 }
 
-/// Level of deflation: higher ones take several times as long for a tenth of the bytes.
+/// Level of deflation: higher levels take several times as long and save a tenth of the bytes.
 pub(crate) const LEVEL: u8 = 1;
-/// Least number of values that are deflated: 64 KiB of them.
+/// Smallest number of values that are deflated: 64 KiB.
 const LEAST: usize = 1 << 13;
-/// Most chunks of a deflated dataset, 64 GiB of values: finding one takes the library as many steps as there are chunks.
+/// Largest number of chunks of a deflated dataset, 64 GiB of values: the library takes as many steps to find a chunk as
+/// there are chunks.
 const MOST_CHUNKS: usize = 1 << 16;
 /// Bytes of the checksum at the end of a chunk.
 const CHECKSUM: u64 = 4;
-/// Bytes by which a deflated chunk may grow, besides a thousandth: beyond it the library leaves it as it is.
+/// Bytes by which a deflated chunk may grow, besides a thousandth of its size: a chunk that would grow more stays
+/// plain.
 const GROWTH: u64 = 13;
-/// Bit of deflation, the second filter, in the mask of those that a chunk goes without since it would grow.
+/// Bit of deflation, the second filter, in the mask of filters that a chunk skips because it would grow.
 const NOT_DEFLATED: u32 = 1 << 1;
 
-/// Values of the middle that are compared.
+/// Number of values in the middle that are compared.
 const SAMPLE: usize = 4096;
 
 impl Storage {
-    /// Deflated if the same numbers come again and again, as they do in the stiffness of a few materials. Others shrink by a
+    /// Deflated if the same numbers recur often, as in the stiffness of a few materials. Other values would shrink by a
     /// quarter in ten times the time.
     pub(crate) fn of(values: &[f64]) -> Self {
         let sample = &values[values.len() / 2..][..SAMPLE.min(values.len() / 2)];
@@ -55,8 +58,8 @@ impl Storage {
     }
 }
 
-/// Whether the chunks of a deflated dataset are all there and give the bytes of its shape: the memory that reading takes
-/// is that of the shape and of one chunk.
+/// Checks that the chunks of a deflated dataset are all there and give the bytes of its shape, so that reading takes
+/// the memory of the shape and of one chunk.
 pub(crate) fn check(at: &Group, name: &str, dataset: &Dataset) -> Result<(), IoError> {
     if !deflate_available() {
         return Err(no_deflate(at, name));
@@ -104,7 +107,7 @@ pub(crate) fn check(at: &Group, name: &str, dataset: &Dataset) -> Result<(), IoE
     Ok(())
 }
 
-/// How many bytes a stream at a place in a file inflates to; above `most` some number that is larger.
+/// Number of bytes to which a stream at a place in a file inflates; any larger number if it is above `most`.
 fn inflated(file: &mut fs::File, at: u64, length: u64, most: u64) -> io::Result<u64> {
     file.seek(SeekFrom::Start(at))?;
     let stream = ZlibDecoder::new(BufReader::new(file.take(length)));

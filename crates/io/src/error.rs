@@ -1,4 +1,4 @@
-//! What can go wrong with a file; every message names the file, the object in it, and what was expected and found.
+//! Errors of files; every message names the file, the object in it, and what was expected and found.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ pub enum IoError {
         /// The output file.
         path: PathBuf,
     },
-    /// The output is a device, a pipe or a socket; replacing it by a file would break what others use it for.
+    /// The output is a device, a pipe or a socket; replacing it by a file would break its other uses.
     #[error("{path} is no regular file but a device, a pipe or a socket: it is never replaced; choose another name")]
     NotRegular {
         /// The output.
@@ -23,7 +23,7 @@ pub enum IoError {
     /// The operating system refused.
     #[error("cannot {action} {path}: {source}")]
     System {
-        /// What was tried.
+        /// The action that failed.
         action: &'static str,
         /// File or folder.
         path: PathBuf,
@@ -112,7 +112,7 @@ pub enum IoError {
         /// The library's reason, or ours.
         why: String,
     },
-    /// Data that can be read but make no sense.
+    /// Data that can be read but are invalid.
     #[error("{object} of {file} is invalid: {why}")]
     Invalid {
         /// The file.
@@ -140,14 +140,14 @@ pub(crate) fn write_error(at: &Location, name: &str, why: impl ToString) -> IoEr
     IoError::Write { file: crate::file::final_name(&file), object, why: reason(&why.to_string()) }
 }
 
-/// The system's reason, and what helps, where the library tells at length that there is no room.
+/// The system's reason and a remedy if the library's long message says that there is no room; else the message itself.
 pub(crate) fn reason(why: &str) -> String {
     let number = why.split_once("errno = ").and_then(|(_, rest)| rest.split(',').next()?.trim().parse().ok());
     let full = number.map(std::io::Error::from_raw_os_error).filter(|error| remedy(error).is_some());
     full.map_or_else(|| why.to_owned(), |error| system_reason(&error))
 }
 
-/// The system's reason, and what helps where there is no room.
+/// The system's reason, with a remedy if there is no room.
 pub(crate) fn system_reason(error: &std::io::Error) -> String {
     remedy(error).map_or_else(|| error.to_string(), |remedy| format!("{error}; {remedy}, or write to another place"))
 }
@@ -181,7 +181,7 @@ pub(crate) fn no_deflate(at: &Location, name: &str) -> IoError {
     IoError::NoDeflate { file, object }
 }
 
-/// For [`Persist`](crate::Persist) implementations: the content of `name` in `at` makes no sense.
+/// For [`Persist`](crate::Persist) implementations: the content of `name` in `at` is invalid.
 pub fn invalid(at: &Location, name: &str, why: impl ToString) -> IoError {
     let (file, object) = place(at, name);
     IoError::Invalid { file, object, why: why.to_string() }

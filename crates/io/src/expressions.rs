@@ -1,4 +1,4 @@
-//! Expressions in a list of their own, to which the parts of a problem refer by number.
+//! A list of expressions, to which the parts of a problem refer by number.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use crate::text::{load_texts, save_texts};
 /// Name of their group.
 const EXPRESSIONS: &str = "expressions";
 
-/// Expressions that are numbered as they come, from 1; 0 is none.
+/// Expressions, numbered in the order in which they come, from 1; 0 is none.
 #[derive(Default)]
 pub(crate) struct Numbering<'a>(Vec<&'a Expression>);
 
@@ -28,7 +28,7 @@ impl<'a> Numbering<'a> {
         self.0.len()
     }
 
-    /// The numbers of components, 0 of both where there are none.
+    /// The numbers of both components, 0 for both if there are none.
     pub(crate) fn of_pair(&mut self, pair: Option<&'a [Expression; 2]>) -> [usize; 2] {
         [0, 1].map(|k| self.of(pair.map(|pair| &pair[k])))
     }
@@ -88,14 +88,14 @@ impl Numbered {
         Ok(Self(parsed.collect::<Result<_, _>>()?))
     }
 
-    /// The expression of a number in the dataset `name`.
+    /// The expression with a number from the dataset `name`.
     pub(crate) fn get(&self, at: &Group, name: &str, number: usize) -> Result<Option<Expression>, IoError> {
         let Some(index) = number.checked_sub(1) else { return Ok(None) };
         let found = self.0.get(index).cloned().map(Some);
         found.ok_or_else(|| invalid(at, name, format!("there is no expression {number} of {}", self.0.len())))
     }
 
-    /// The expression of a number that is not 0.
+    /// The expression with a number, which must not be 0.
     pub(crate) fn require(&self, at: &Group, name: &str, number: usize) -> Result<Expression, IoError> {
         self.get(at, name, number)?.ok_or_else(|| invalid(at, name, "an expression is wanted"))
     }

@@ -22,11 +22,11 @@ pub const FORMAT_VERSION: u32 = 1;
 /// Suffix of half-written files.
 pub(crate) const SUFFIX: &str = ".part";
 
-/// HDF5 of version 1.10, whatever the library: all of its structures carry checksums, and every reader knows it. Closing
-/// the file closes whatever the caller left open in it.
+/// HDF5 of version 1.10 with every version of the library: all of its structures have checksums, and every reader knows
+/// it. Closing the file closes all objects that the caller left open in it.
 ///
-/// No locks, here and in [`open`]: a file is never written under its own name, and a lock outlives the file in a process
-/// that was started meanwhile.
+/// No locks, here and in [`open`]: a file is never written under its own name, and a process that was started meanwhile
+/// would inherit the lock and keep it.
 fn builder() -> FileBuilder {
     let mut builder = File::with_options();
     builder.with_fapl(|access| {
@@ -48,9 +48,9 @@ pub fn is_special(path: &Path) -> bool {
 /// Writes the file `path` as a whole: `fill` gets a new HDF5 file beside it that is closed, synced and then renamed.
 /// Returns what `fill` returns.
 ///
-/// The file has the root attributes `format` and `format_version`; equal content gives equal bytes. On any error no file
-/// stays, and an existing one is untouched. A program that is killed leaves its half-written file, which the next call for the
-/// same path removes.
+/// The file has the root attributes `format` and `format_version`; equal content gives equal bytes. On any error no new
+/// file remains, and an existing one is untouched. A killed program leaves its half-written file, which the next call
+/// for the same path removes.
 ///
 /// # Errors
 /// [`IoError::Exists`] when `path` exists and `overwrite` is false, also when it appears meanwhile;
@@ -97,13 +97,13 @@ pub fn create_atomically<T, E: From<IoError>>(
         ErrorKind::AlreadyExists => exists(),
         _ => system("write", path, e.error),
     })?;
-    // The file is complete; a folder that cannot be synced (some network disks) is no reason to call it lost.
+    // The file is complete; a folder that cannot be synced (some network disks) does not make it lost.
     #[cfg(unix)]
     let _ = fs::File::open(&folder).and_then(|folder| folder.sync_all());
     Ok(filled)
 }
 
-/// The path that a file has when it is complete: a half-written one is beside it, as `.NAME.RANDOM.part`.
+/// The path of the complete file; its half-written file is beside it, as `.NAME.RANDOM.part`.
 pub(crate) fn final_name(path: &str) -> String {
     let path = Path::new(path);
     let name =
@@ -111,7 +111,7 @@ pub(crate) fn final_name(path: &str) -> String {
     name.map_or(path.to_owned(), |(name, _)| path.with_file_name(name)).display().to_string()
 }
 
-/// A new file to write in, which this program holds; those that killed programs have left are removed.
+/// A new file to write, locked by this program; files that killed programs have left are removed.
 #[cfg(unix)]
 fn beside(folder: &Path, prefix: &str) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
@@ -126,7 +126,7 @@ fn beside(folder: &Path, prefix: &str) -> std::io::Result<NamedTempFile> {
     }
 }
 
-/// A new file to write in.
+/// A new file to write.
 #[cfg(not(unix))]
 fn beside(folder: &Path, prefix: &str) -> std::io::Result<NamedTempFile> {
     tempfile::Builder::new().prefix(prefix).suffix(SUFFIX).tempfile_in(folder)

@@ -10,8 +10,8 @@ use hdf5::{Dataset, File, LocationType};
 use crate::attribute::read_foreign_names;
 use crate::error::{IoError, damaged, mismatch, missing};
 
-/// Reads a table of numbers, row by row, from any HDF5 file: `dataset` is its path in it, `shape` the shape that it must
-/// have. Integers and numbers of single precision are converted.
+/// Reads a table of numbers, row by row, from any HDF5 file: `dataset` is the path of the table in the file, `shape`
+/// its required shape. Integers and numbers of single precision are converted.
 ///
 /// # Errors
 /// [`IoError::System`] when the file cannot be opened, [`IoError::NotHdf5`], [`IoError::Missing`] without such a dataset,
@@ -38,7 +38,8 @@ pub fn load_foreign_table(path: impl AsRef<Path>, dataset: &str, shape: [usize; 
     table.read_raw().map_err(|e| damaged(&file, name, e))
 }
 
-/// Reads the attribute `axes` of a dataset of any HDF5 file: a name for each axis, or one text; None without it.
+/// Reads the attribute `axes` of a dataset of any HDF5 file: a name for each axis, or one text; None without the
+/// attribute.
 ///
 /// # Errors
 /// As [`load_foreign_table`]; [`IoError::Mismatch`] for an attribute that is no text.

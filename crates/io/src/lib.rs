@@ -4,9 +4,9 @@
 //! create_atomically(path, |file| { save(file, "mesh", &mesh)?; save_text(file, "scene", ..)?; vtkhdf::write(file, ..) })
 //! open(path) ─► load::<Mesh>(&file, "mesh")     load_dense, load_sparse, load_vector, load_points, load_text ..
 //! ```
-//! A type is stored by [`Persist`], as a group with the attributes `kind` and `version`. Below it are functions for arrays;
-//! each dataset has the attributes `unit`, `meaning` and `axes` ([`Label`]). Arrays are row-major, indices are integers of
-//! 64 bits, texts are UTF-8 of fixed length, numbers keep their bits (NaN and infinities too).
+//! A type is stored by [`Persist`], as a group with the attributes `kind` and `version`. It is built on functions for
+//! arrays; each dataset has the attributes `unit`, `meaning` and `axes` ([`Label`]). Arrays are row-major, indices are
+//! integers of 64 bits, texts are UTF-8 of fixed length, numbers keep their bits (NaN and infinities too).
 //!
 //! | type | datasets of its group |
 //! |---|---|
@@ -40,14 +40,16 @@
 //! # Ok::<(), IoError>(())
 //! ```
 //!
-//! *Integrity*: arrays lie in chunks under Fletcher-32 checksums, texts under FNV-1a, all else (extents, types, attributes,
-//! links) under the checksums of HDF5 1.10's structures. Fletcher-32 sees every changed byte, but not a pair of zero bytes
-//! that becomes 0xffff at an even place, or the reverse. Files of other programs are read with the same care: sizes are
-//! compared with what the file holds before memory is requested, and structure is checked before use.
+//! *Integrity*: Fletcher-32 checksums protect arrays, in chunks; FNV-1a protects texts; the checksums of HDF5 1.10's
+//! structures protect all else (extents, types, attributes, links). Fletcher-32 detects every changed byte, but not a
+//! pair of zero bytes that becomes 0xffff at an even place, or the reverse. Files of other programs are read with the
+//! same care: sizes are compared with what the file holds before memory is requested, and structure is checked before
+//! use.
 //!
-//! *Size*: integers, and values of sparse matrices that recur, are shuffled and deflated from 2¹³ of them on, below their
-//! checksums; every HDF5 library that has zlib reads them, as h5py's. One without it writes them plain, and reading gives
-//! [`IoError::NoDeflate`]. All else is plain: dense matrices shrink by a quarter in several times the time of a run.
+//! *Size*: integers, and recurring values of sparse matrices, are shuffled and deflated if there are at least 2¹³ of
+//! them, before their checksums are computed; every HDF5 library with zlib reads them, for example h5py's. A library
+//! without zlib writes them plain and cannot read deflated ones: [`IoError::NoDeflate`]. All else is plain: dense
+//! matrices would shrink by a quarter in several times the time of a run.
 //!
 //! HDF5 prints nothing; its reasons are part of [`IoError`]. One lock serialises all calls into the library.
 

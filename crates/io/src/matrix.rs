@@ -20,8 +20,8 @@ pub fn save_dense(at: &Group, name: &str, a: MatRef<'_, f64>, label: &Label<'_>)
     })
 }
 
-/// Begins an n×m array as [`save_dense`] writes it, whose rows come one after the other by [`Rows::push`], then
-/// [`Rows::finish`].
+/// Begins an n×m array with the layout of [`save_dense`]; [`Rows::push`] adds rows in order, and [`Rows::finish`] ends
+/// it.
 ///
 /// # Errors
 /// [`IoError::Write`].
@@ -44,7 +44,7 @@ pub fn load_dense(at: &Group, name: &str) -> Result<Mat<f64>, IoError> {
 /// Writes a sparse matrix as scipy's CSR: a group of `indptr` (rows+1), `indices`, `data` (nonzeros) and `shape` (2),
 /// read by `csr_matrix((data, indices, indptr), shape)`. A CSC matrix is converted.
 ///
-/// Many indices, and many values if they recur, are deflated.
+/// Indices are deflated if there are many, and values if there are many and they recur.
 ///
 /// `label.axes` names rows and columns and becomes the label of `shape`.
 ///
@@ -66,7 +66,7 @@ pub fn save_sparse(at: &Group, name: &str, a: &CsMat<f64>, label: &Label<'_>) ->
 /// Reads what [`save_sparse`] or scipy wrote (in scipy `sort_indices` and `sum_duplicates` first).
 ///
 /// # Errors
-/// [`IoError::Invalid`] when the structure is not that of CSR with rising columns in each row; else as [`load_dense`].
+/// [`IoError::Invalid`] when the structure is not CSR with rising columns in each row; else as [`load_dense`].
 pub fn load_sparse(at: &Group, name: &str) -> Result<CsMat<f64>, IoError> {
     let group = open_group(at, name)?;
     let shape = load_integers(&group, "shape")?;

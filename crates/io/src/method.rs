@@ -1,4 +1,4 @@
-//! [`Persist`] for [`Method`]: a number or a word of the scene for each key, none if it is left to the program.
+//! [`Persist`] for [`Method`]: a number or a word for each key, nothing if the program chooses.
 
 use hdf5::Group;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};

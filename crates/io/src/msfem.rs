@@ -1,6 +1,7 @@
 //! [`Persist`] for the types of `steklov-msfem`.
 //!
-//! Grids, media and coarse meshes are built anew from what determines them, with the same bits and under their own checks.
+//! Grids, media and coarse meshes are rebuilt from the data that determine them, with the same bits and their own
+//! checks.
 
 use faer::Mat;
 use hdf5::Group;
@@ -103,7 +104,8 @@ impl Persist for HeterogeneousBody {
     }
 }
 
-/// Most rectangles between all lines through sides of coarse cells that may be checked; four for each cell are always allowed.
+/// Largest number of rectangles between all lines through sides of coarse cells that are checked; four per cell are
+/// always allowed.
 const MOST: usize = 1 << 22;
 
 /// The lines through the sides of coarse cells, each once; those along y first.
@@ -126,7 +128,7 @@ fn lines(cells: &[CoarseCell]) -> Result<[Vec<usize>; 2], String> {
     }
 }
 
-/// The mesh of some cells without their grid: that of the same cells on the lines through their sides.
+/// The mesh of some cells without their grid, checked as a mesh on the grid of lines through their sides.
 fn coarse_mesh(cells: Vec<CoarseCell>) -> Result<CoarseMesh, String> {
     let lines = lines(&cells)?;
     let rank = |k: usize, line: usize| lines[k].partition_point(|l| *l < line);

@@ -113,7 +113,7 @@ impl Persist for MultiplierSpace {
     }
 }
 
-/// The nonzero entries.
+/// The nonzero entries as a sparse matrix.
 fn sparse(a: &Mat<f64>) -> CsMat<f64> {
     let (mut indptr, mut indices, mut data) = (vec![0], Vec::new(), Vec::new());
     for i in 0..a.nrows() {
@@ -126,7 +126,7 @@ fn sparse(a: &Mat<f64>) -> CsMat<f64> {
     CsMat::new((a.nrows(), a.ncols()), indptr, indices, data)
 }
 
-/// A sparse matrix of this size, with its zeros.
+/// Reads a sparse matrix of this size as a dense one.
 fn full(at: &Group, name: &str, (rows, columns): (usize, usize)) -> Result<Mat<f64>, IoError> {
     let sparse = load_sparse(at, name)?;
     if sparse.shape() != (rows, columns) {

@@ -6,19 +6,19 @@ use crate::attribute::{read_integer_attribute, read_text_attribute, write_intege
 use crate::error::{IoError, damaged, mismatch, missing, system_reason, write_error};
 use crate::{raw, room};
 
-/// A type that can be stored in a group and read back, the same bits.
+/// A type that can be stored in a group and read back with the same bits.
 ///
 /// `write` fills an empty group; `read` checks everything on which later code relies (lengths, indices), because the
-/// file may come from anywhere. Change [`Persist::VERSION`] with the layout.
+/// file may come from anywhere. Increase [`Persist::VERSION`] when the layout changes.
 pub trait Persist: Sized {
     /// Name of the type in files.
     const KIND: &'static str;
     /// Version of its layout.
     const VERSION: u32;
-    /// The oldest version that is read; all from there on are.
+    /// The oldest version that is read, with all later ones.
     const OLDEST: u32 = Self::VERSION;
 
-    /// The version of this value: the oldest that can say it, so that older programs read what they can.
+    /// The version of this value: the oldest that can represent it, so that older programs read as much as possible.
     fn version(&self) -> u32 {
         Self::VERSION
     }
@@ -32,7 +32,7 @@ pub trait Persist: Sized {
     /// Reads the parts from the group `at` and checks that they fit together.
     ///
     /// # Errors
-    /// Any error of reading; [`IoError::Invalid`] for parts that do not fit.
+    /// Any error of reading; [`IoError::Invalid`] for parts that do not fit together.
     fn read(at: &Group) -> Result<Self, IoError>;
 }
 
@@ -64,7 +64,7 @@ pub fn load<T: Persist>(parent: &Group, name: &str) -> Result<T, IoError> {
     T::read(&group)
 }
 
-/// Compares the version attribute `name` of `group` with the one that is known.
+/// Compares the version attribute `name` of `group` with the known version.
 pub(crate) fn check_version(group: &Group, name: &str, known: u32) -> Result<(), IoError> {
     match read_integer_attribute(group, name)?[..] {
         [found] if found == i64::from(known) => Ok(()),
@@ -87,7 +87,7 @@ pub fn create_group(parent: &Group, name: &str) -> Result<Group, IoError> {
 /// [`IoError::Missing`], [`IoError::Mismatch`] if it is no group, [`IoError::Damaged`].
 pub fn open_group(parent: &Group, name: &str) -> Result<Group, IoError> {
     if !parent.link_exists(name) {
-        // A damaged list of links is no missing group.
+        // A damaged list of links is not a missing group.
         parent.member_names().map_err(|e| damaged(parent, "", e))?;
         return Err(missing(parent, name));
     }
@@ -97,11 +97,12 @@ pub fn open_group(parent: &Group, name: &str) -> Result<Group, IoError> {
     parent.group(name).map_err(|e| damaged(parent, name, e))
 }
 
-/// Copies the object `name` of `from`, and all that is in it, to `to`, which may belong to another file, under the same
-/// name: the same bytes, under the same checksums.
+/// Copies the object `name` of `from`, with its content, to `to`, which may belong to another file, under the same
+/// name: with the same bytes and checksums.
 ///
 /// # Errors
-/// [`IoError::Missing`]; [`IoError::Write`], also when `to` has such an object or the disk no room; [`IoError::Damaged`].
+/// [`IoError::Missing`]; [`IoError::Write`], also when `to` has such an object or the disk is full;
+/// [`IoError::Damaged`].
 pub fn copy(from: &Group, name: &str, to: &Group) -> Result<(), IoError> {
     if !from.link_exists(name) {
         return Err(missing(from, name));

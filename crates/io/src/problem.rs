@@ -25,7 +25,7 @@ const RADIATION: [(&str, Option<Radiation>); 3] =
     [("auto", None), ("decaying", Some(Radiation::Decaying)), ("bounded", Some(Radiation::Bounded))];
 const PLACES: [(&str, Place); 2] = [("first", Place::First), ("second", Place::Second)];
 const NO: [(&str, bool); 2] = [("no", false), ("yes", true)];
-/// Laws and frictions.
+/// Words for laws and kinds of friction.
 const KINDS: [&str; 4] = ["tied", "no friction", "tresca", "coulomb"];
 const NUMBER: &str = "numbers of expressions from 1, 0 is none: ";
 
@@ -37,7 +37,7 @@ impl Persist for Problem {
     const KIND: &'static str = "problem";
     const VERSION: u32 = 1;
 
-    /// A body that cracks cut and random fields are refused.
+    /// A body cut by cracks and random fields are refused.
     fn write(&self, at: &Group) -> Result<(), IoError> {
         let mut expressions = Numbering::default();
         save(at, "outline", &self.outline)?;
@@ -84,7 +84,7 @@ fn check_tables(at: &Group, outline: &Polygon, bodies: &[Body]) -> Result<(), Io
     Ok(())
 }
 
-/// A group that is there or is made.
+/// A group, created if missing.
 fn folder(at: &Group, name: &str) -> Result<Group, IoError> {
     if at.link_exists(name) { open_group(at, name) } else { create_group(at, name) }
 }
@@ -94,7 +94,7 @@ pub(crate) fn check_finite(at: &Group, name: &str, values: &[f64]) -> Result<(),
     wrong.map_or(Ok(()), |value| Err(invalid(at, name, format!("{value} is no number"))))
 }
 
-/// The groups 0, 1, .. of a group, none without it.
+/// The groups 0, 1, .. of the group `name`; none without it.
 fn members(at: &Group, name: &str) -> Result<Vec<Group>, IoError> {
     if !at.link_exists(name) {
         return Ok(Vec::new());

@@ -1,7 +1,8 @@
 //! Bytes of fixed-length strings, and copies from file to file: the only calls straight into the HDF5 library.
 //!
-//! The wrapper knows strings whose length is a compile-time constant and strings of variable length. The latter lie in
-//! HDF5's global heap, which has no checksum and which the library trusts; so ours have a fixed length, known at run time.
+//! The wrapper knows strings whose length is a compile-time constant and strings of variable length. The latter are in
+//! HDF5's global heap, which has no checksum and which the library trusts; so result files have strings of a fixed
+//! length, known at run time.
 #![allow(unsafe_code)]
 
 use std::ffi::CString;
@@ -84,7 +85,7 @@ pub(crate) fn read_dataset(from: &Dataset) -> hdf5::Result<Vec<u8>> {
     })
 }
 
-/// Copies the object `name` of `from`, and all that is in it, to `to` under the same name.
+/// Copies the object `name` of `from` with its content to `to` under the same name.
 pub(crate) fn copy(from: &Group, name: &str, to: &Group) -> hdf5::Result<()> {
     let name = CString::new(name).map_err(|e| hdf5::Error::from(e.to_string()))?;
     hdf5::sync::sync(|| {

@@ -1,14 +1,15 @@
-//! Requests room on the disk before the library copies: where writing fails within a copy, it reads memory that is not its own.
+//! Requests space on the disk before the library copies: if writing fails during a copy, the library reads memory that
+//! is not its own.
 
 use std::fs::OpenOptions;
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 
 use hdf5::{Group, LocationType};
 
-/// Bytes of the structures of an object, more than any of ours has.
+/// Bytes for the structures of an object, more than any object in result files needs.
 const STRUCTURES: u64 = 1 << 12;
 
-/// Bytes that an object takes in a file, with all that is in it.
+/// Bytes of an object and its content in a file.
 pub(crate) fn size(at: &Group, name: &str) -> hdf5::Result<u64> {
     match at.loc_type_by_name(name)? {
         LocationType::Group => {
@@ -20,7 +21,7 @@ pub(crate) fn size(at: &Group, name: &str) -> hdf5::Result<u64> {
     }
 }
 
-/// Writes `bytes` zeros behind the file of a group and removes them again.
+/// Writes `bytes` zeros at the end of the file of a group and removes them again.
 pub(crate) fn check(at: &Group, bytes: u64) -> io::Result<()> {
     let end = at.file().map_err(io::Error::other)?.size();
     let mut file = OpenOptions::new().write(true).open(at.filename())?;

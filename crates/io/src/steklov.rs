@@ -1,7 +1,7 @@
 //! [`Persist`] for the Steklov-Poincaré matrix with its traction map, and for its condensation.
 //!
-//! Both are kept as they are, factors too, and read by the checked constructors of `steklov-bem-operators`: nothing is factorised
-//! anew, and answers have the same bits.
+//! Both are stored with their factors and read by the checked constructors of `steklov-bem-operators`: nothing is
+//! factorised again, and answers have the same bits.
 
 use faer::{Mat, MatRef};
 use hdf5::Group;
@@ -27,7 +27,7 @@ pub(crate) fn misfit(at: &Group, error: BemError) -> IoError {
 /// Largest rounding error of the entries of a form, over the roots of the diagonals.
 const SAME: f64 = 1e-10;
 
-/// Demands that a stored matrix is the one that its parts make, up to rounding of `scale(i, j)`.
+/// Demands that a stored matrix equals the one computed from its parts, up to rounding of `scale(i, j)`.
 pub(crate) fn check_same(
     at: &Group,
     name: &str,

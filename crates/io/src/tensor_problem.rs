@@ -13,7 +13,7 @@ use crate::matrix::{load_dense, save_dense};
 use crate::persist::{Persist, create_group, open_group};
 use crate::quadrature::{check_length, load_sized};
 
-/// The data that a [`TensorProblem`] borrows, owned: the form in which it is read.
+/// The data of a [`TensorProblem`], owned instead of borrowed, for reading.
 #[derive(Debug, Clone)]
 pub struct StoredTensorProblem {
     /// S.

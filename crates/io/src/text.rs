@@ -9,8 +9,8 @@ use crate::deflated::Storage;
 use crate::error::{IoError, damaged, invalid, mismatch, write_error};
 use crate::raw;
 
-/// FNV-1a of 64 bits, as a signed number. HDF5 filters a dataset by chunks and a scalar has none, so a text carries this
-/// in an attribute instead.
+/// FNV-1a of 64 bits, as a signed number. HDF5 applies filters to chunks, and a scalar has none, so a text has this
+/// checksum in an attribute instead.
 fn fnv1a(bytes: &[u8]) -> i64 {
     let hash = bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3));
     hash.cast_signed()

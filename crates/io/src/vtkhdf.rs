@@ -4,8 +4,8 @@
 //! quadrilateral). Points get z = 0. Every file has the cell array `part`: 0 for a line of the boundary, 1 for a cell of
 //! the body.
 //!
-//! A point takes 24 bytes of the file and each value of a field 8. The integers of a cell (its points, offset, type, part) are
-//! deflated where there are many; plain, a quadrilateral takes 49.
+//! A point takes 24 bytes of the file and each value of a field 8. The integers of a cell (its points, offset, type,
+//! part) are deflated if there are many; without that, a quadrilateral takes 49 bytes.
 
 use hdf5::{File, Group};
 
@@ -22,7 +22,7 @@ pub struct Field {
     pub name: String,
     /// Unit, stored in an attribute.
     pub unit: String,
-    /// Numbers a point or cell; 3 makes a vector that can be warped by.
+    /// Numbers per point or cell; 3 make a vector, by which a viewer can warp the grid.
     pub components: usize,
     /// Values, component fastest.
     pub values: Vec<f64>,
@@ -53,7 +53,7 @@ const PART: &str = "part";
 /// Writes `/VTKHDF`.
 ///
 /// # Errors
-/// [`IoError::Write`], also for a cell that names no point and for a field of the wrong length or name.
+/// [`IoError::Write`], also for a cell with an unknown point and for a field of the wrong length or name.
 pub fn write(file: &File, grid: &Grid) -> Result<(), IoError> {
     let group = create_group(file, "VTKHDF")?;
     write_integer_attribute(&group, "Version", &[1, 0])?;
@@ -72,7 +72,7 @@ pub fn write(file: &File, grid: &Grid) -> Result<(), IoError> {
     {
         write_numbers(&group, name, &[1], &[count as i64], &label("1", "count", &["piece"]), Plain)?;
     }
-    // Only one array lives beside the grid at a time.
+    // Only one array at a time is in memory beside the grid.
     let points: Vec<f64> = grid.points.iter().flat_map(|&[x, y]| [x, y, 0.0]).collect();
     write_numbers(
         &group,
@@ -129,7 +129,8 @@ fn write_field(at: &Group, field: &Field, entities: usize, axis: &str) -> Result
 /// Reads `/VTKHDF` back.
 ///
 /// # Errors
-/// [`IoError::Mismatch`] and [`IoError::Invalid`] for a grid that this module does not write; else as all reading.
+/// [`IoError::Mismatch`] and [`IoError::Invalid`] for a grid that this module does not write; else any error of
+/// reading.
 pub fn read(file: &File) -> Result<Grid, IoError> {
     let group = open_group(file, "VTKHDF")?;
     let kind = read_text_attribute(&group, "Type")?;

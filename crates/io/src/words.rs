@@ -1,4 +1,4 @@
-//! Values that are stored as the words of a table.
+//! Values that are stored as words from a table.
 
 use hdf5::Group;
 

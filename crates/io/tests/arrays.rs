@@ -1,4 +1,4 @@
-//! Arrays come back with the same bits, and what is no such array is refused with a message.
+//! Arrays come back with the same bits, and other objects are refused with a message.
 
 use crate::common::{bits, dense_bits, sparse, written};
 use faer::Mat;
@@ -39,7 +39,7 @@ proptest! {
         prop_assert_eq!(dense_bits(&load_dense(&file, "a").unwrap()), dense_bits(&a));
     }
 
-    /// Rows that come in pieces give the same dataset as all at once, over many blocks too.
+    /// Rows written in pieces give the same dataset as all rows at once, also over many blocks.
     #[test]
     fn tables_by_rows_are_those_at_once(m in 0_usize..7, cuts in prop::collection::vec(0_usize..9000, 0..9)) {
         let (n, wide) = (cuts.iter().sum::<usize>(), 3 * m);
@@ -194,7 +194,7 @@ fn a_number_comes_back() {
     assert_eq!(load_label(&file, "x").unwrap().unit, "J");
 }
 
-/// Each part of a CSR matrix, made wrong, is named.
+/// The error of a wrong CSR matrix names the wrong part.
 #[test]
 fn a_wrong_sparse_structure_is_refused() {
     type Parts = (Vec<usize>, Vec<usize>, Vec<usize>, Vec<f64>);
@@ -236,7 +236,7 @@ fn a_wrong_sparse_structure_is_refused() {
     );
 }
 
-/// Rows one after the other in the file, of square matrices too, which come back the same if both ways are turned.
+/// Matrices are stored row by row. Square ones are checked in the file, since writing and reading columns would agree.
 #[test]
 fn dense_matrices_are_stored_by_rows() {
     for (n, m) in [(2, 2), (3, 3), (2, 3), (3, 2)] {
@@ -247,7 +247,7 @@ fn dense_matrices_are_stored_by_rows() {
     }
 }
 
-/// A table of too many or too few rows, or of a part of one, is none.
+/// A table with too many or too few rows, or with a part of a row, is refused.
 #[test]
 fn rows_that_do_not_fill_their_table_are_refused() {
     for (pushed, why) in

@@ -32,7 +32,7 @@ fn an_existing_file_is_replaced_only_on_demand() {
     assert_eq!(names(folder.path()), ["a result.vtkhdf"]);
 }
 
-/// The file appears while ours is being written: the other one wins, unless it may be replaced.
+/// Another file appears under the name while a file is written: the other one is kept, unless it may be replaced.
 #[test]
 fn a_file_that_appears_meanwhile_is_kept() {
     let (folder, path) = place();
@@ -47,8 +47,8 @@ fn a_file_that_appears_meanwhile_is_kept() {
     assert_eq!(load_vector(&open(&path).unwrap(), "v").unwrap(), [1.0]);
 }
 
-/// What killed programs left half-written goes with the next file of that name; what is held by a program, of another name or
-/// no regular file stays.
+/// Half-written files of killed programs are removed when the next file of that name is written; a file that a program
+/// holds, a file of another name and one that is not regular stay.
 #[cfg(unix)]
 #[test]
 fn half_written_files_that_nobody_holds_are_removed() {
@@ -80,7 +80,7 @@ fn half_written_files_that_nobody_holds_are_removed() {
     assert_eq!(names(folder.path()), kept);
 }
 
-/// Two writers of one name: neither takes the other's file for abandoned, and the last to finish wins.
+/// Two writers of one name: neither removes the other's file as abandoned, and the last to finish wins.
 #[test]
 fn two_writers_of_one_file_do_not_meet() {
     let (folder, path) = place();
@@ -110,7 +110,7 @@ fn an_error_or_panic_on_the_way_leaves_everything_as_it_was() {
     assert_eq!(names(folder.path()), ["a result.vtkhdf"]);
 }
 
-/// What the caller forgets to close is closed with the file.
+/// Objects that the caller forgets to close are closed with the file.
 #[test]
 fn handles_left_open_do_no_harm() {
     let (_folder, path) = place();
@@ -140,13 +140,13 @@ fn a_folder_that_cannot_be_written_is_named() {
         assert!(matches!(error, IoError::System { .. }), "{}: {error:?}", path.display());
     }
     assert_eq!(names(folder.path()), ["a result.vtkhdf"]);
-    // A folder is no file to be replaced.
+    // A folder is never replaced.
     fs::create_dir(folder.path().join("d")).unwrap();
     assert!(save(&folder.path().join("d"), true, &[1.0]).is_err());
     assert_eq!(names(folder.path()), ["a result.vtkhdf", "d"]);
 }
 
-/// Everybody may read a result file as any other file that this user makes.
+/// A result file has the permissions of any other file that this user makes.
 #[cfg(unix)]
 #[test]
 fn permissions_follow_the_umask() {
@@ -159,7 +159,7 @@ fn permissions_follow_the_umask() {
     assert_eq!(mode(&path), mode(&plain));
 }
 
-/// A disk that fills up, played by a limit on the size of files: this test starts itself under `ulimit -f`.
+/// A disk that fills up, simulated by a limit on the size of files: this test starts itself under `ulimit -f`.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_nothing() {

@@ -1,4 +1,4 @@
-//! What couples a body with the medium around it comes back with the same bits; parts that do not fit are refused.
+//! The coupling of a body with the medium around it comes back with the same bits; parts that do not fit are refused.
 
 use crate::common::{check_round_trip, spoiled};
 use faer::Mat;
@@ -32,7 +32,7 @@ fn bits(values: &[f64]) -> Vec<u64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 
-    /// What was read solves the problem with the bits of what was written.
+    /// The read data give the same solution, bit by bit, as the written ones.
     #[test]
     fn traces_media_solutions_and_indicators(
         missing in 0_u8..7, x in -1e3_f64..1e3, hx in 1e-3_f64..1e3, ratio in 0.5_f64..2.0,
@@ -49,7 +49,7 @@ proptest! {
         let around = exterior(&trace, parts, degree);
         let read = check_round_trip(&around);
         check_round_trip(&Transfer::new(&trace, &mesh, &Space::new(&mesh)).unwrap());
-        // elements of other lengths than the parts of the trace: a projection in place of values
+        // elements of other lengths than the parts of the trace: a projection instead of values
         let coarser = steklov_bem_operators::Mesh::uniform(&trace.polygon, 12, degree);
         check_round_trip(&Transfer::new(&trace, &coarser, &Space::new(&coarser)).unwrap());
 
@@ -134,7 +134,7 @@ fn traces_and_transfers_that_do_not_fit_are_refused() {
     assert!(spoiled(&trace, "points", points(more)).contains("1 points follow the last edge"));
     let none = trace.points.iter().copied().filter(|x| x.contains(&0.5)).collect();
     assert!(spoiled(&trace, "points", points(none)).contains("not the corner"));
-    // a point less, or more, is a trace; its values are those of others
+    // a trace with one point less or more is valid, but its values have another size
     let fewer = trace.points.iter().copied().filter(|x| *x != [0.5, 0.0]).collect();
     assert!(spoiled(&trace, "points", points(fewer)).contains("expected a matrix (14, 16)"));
     assert!(spoiled(&trace, "unknowns", integers("unknowns", (0..15).collect())).contains("(16, 15)"));
@@ -153,7 +153,7 @@ fn traces_and_transfers_that_do_not_fit_are_refused() {
     assert!(spoiled(&transfer, "mass", |g| save_sparse(g, "mass", &infinite, &TWO)).contains("entry 5 is inf"));
 }
 
-/// Replaces a part of a part.
+/// Replaces a part of a subgroup.
 fn inner<'a>(
     group: &'a str,
     name: &'a str,

@@ -8,7 +8,7 @@ use faer::Mat;
 use hdf5::types::VarLenUnicode;
 use steklov_io::*;
 
-/// A file with an object of every sort.
+/// A file with an object of every kind.
 fn write(path: &Path) {
     let numbers: Vec<f64> = (0..60).map(|i| (f64::from(i) * 0.7).sin()).collect();
     let table = Label { unit: "stress", meaning: "a table", axes: &["row", "column"] };
@@ -46,7 +46,7 @@ fn write(path: &Path) {
     .unwrap();
 }
 
-/// All of it, as one comparable text.
+/// The whole content as one comparable text.
 fn read(path: &Path) -> Result<String, IoError> {
     let f = open(path)?;
     let g = open_group(&f, "solution")?;
@@ -100,7 +100,7 @@ fn a_truncated_file_is_an_error() {
     }
 }
 
-/// One byte changed at every third place; then random bytes over 2 to 64 places; then blocks of zeros.
+/// One byte is changed at every third place; then random bytes over 2 to 64 places; then blocks of zeros.
 #[test]
 fn an_altered_file_is_noticed_or_harmless() {
     let (_folder, path) = place();
@@ -141,7 +141,7 @@ fn an_altered_file_is_noticed_or_harmless() {
     assert!(noticed > harmless, "{noticed} noticed, {harmless} harmless");
 }
 
-/// Every byte that holds data is under a checksum: none can change unseen.
+/// A checksum covers every byte of data: none can change unnoticed.
 #[test]
 fn every_byte_of_data_counts() {
     let (_folder, path) = place();
@@ -203,7 +203,7 @@ fn foreign_files_are_refused() {
     assert!(matches!(error(&path), IoError::Version { found: 99, known: FORMAT_VERSION, .. }));
 }
 
-/// Extents that promise more than the file holds are refused before memory is asked for.
+/// Extents larger than the content of the file are refused before memory is requested.
 #[test]
 fn absurd_extents_are_refused() {
     let (_folder, path) = place();
@@ -243,7 +243,7 @@ fn write_deflated(path: &Path) {
 /// Two lists of integers and a sparse matrix.
 type Deflated = (Vec<usize>, Vec<usize>, sprs::CsMat<f64>);
 
-/// What `write_deflated` has written.
+/// Reads the file of [`write_deflated`].
 fn read_deflated(path: &Path) -> Result<Deflated, IoError> {
     let f = open(path)?;
     Ok((load_integers(&f, "rising")?, load_integers(&f, "any")?, load_sparse(&f, "sparse")?))
@@ -296,7 +296,7 @@ fn fletcher32(bytes: &[u8]) -> [u8; 4] {
     ((two << 16 | one) as u32).to_le_bytes()
 }
 
-/// A chunk that inflates to more or less than its shape, under a checksum that holds.
+/// A chunk that inflates to more or less than its shape, with a valid checksum.
 #[test]
 fn chunks_of_another_size_are_refused() {
     let (_folder, path) = place();
@@ -318,7 +318,7 @@ fn chunks_of_another_size_are_refused() {
         std::fs::write(&path, bytes).unwrap();
         load_integers(&open(&path).unwrap(), "any")
     };
-    // as many as there should be: nothing is wrong but the numbers
+    // the right number of values: only the values are wrong
     assert_eq!(altered(9000).unwrap(), [0; 9000]);
     for values in [0, 1, 8999, 9001, 8_000_000] {
         let error = altered(values).unwrap_err();
@@ -326,7 +326,7 @@ fn chunks_of_another_size_are_refused() {
     }
 }
 
-/// Deflated datasets that promise what is not there, in chunks too large, or under other filters.
+/// Deflated datasets with missing chunks, with chunks that are too large, or with other filters.
 #[test]
 fn other_deflated_datasets_are_refused() {
     let (_folder, path) = place();

@@ -1,4 +1,4 @@
-//! Tables of other programs: numbers of any type are read as f64, all else is refused in words.
+//! Tables of other programs: numbers of any type are read as f64, all else is refused with a message.
 
 use crate::common::{bits, place};
 use hdf5::File;
@@ -78,8 +78,8 @@ fn a_pipe_is_refused_at_once() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
-    /// A file that is cut gives an error or the same numbers; so does one with an altered byte, or other numbers where the byte
-    /// lies in the data, which have no checksum here.
+    /// A truncated file gives an error or the same numbers. So does a file with an altered byte, or other numbers if
+    /// the byte is in the data, which have no checksum here.
     #[test]
     fn damaged_files_never_panic(at in 0.0..1.0_f64, byte in 0..=255_u8) {
         let (folder, path) = place();

@@ -114,7 +114,7 @@ fn parts_that_do_not_fit_are_refused() {
         save(f, "value", &medium)?;
         let group = f.group("value").unwrap();
         group.unlink("young").unwrap();
-        // outside of the body anything goes
+        // outside of the body any value is allowed
         save_vector(&group, "young", &young, &ONE)?;
         load::<HeterogeneousBody>(f, "value").map(drop)
     });
@@ -184,7 +184,7 @@ fn parts_that_do_not_fit_are_refused() {
     }
 }
 
-/// Coarse cells in the file say nothing of a grid: large ones cost no memory, and many lines are refused.
+/// Coarse cells are read without a grid: large cells take no memory, and too many lines are refused.
 #[test]
 fn a_small_file_asks_for_little_memory() {
     let one = |size: usize| CoarseMesh {
@@ -211,7 +211,7 @@ fn a_small_file_asks_for_little_memory() {
     let error = create_atomically(&path, false, |file| save(file, "value", &stairs(2048))).unwrap_err();
     assert!(matches!(error, IoError::Write { .. }) && error.to_string().contains("for 2048 coarse cells"), "{error}");
     drop(folder);
-    // as many cells as rectangles are always read
+    // cells that are as many as the rectangles are always read
     let grid = Grid::rectangle([1.0, 1.0], [2100, 2000]).unwrap();
     let all = CoarseMesh::uniform(&grid, [1, 1]).unwrap();
     let (_folder, file) = crate::common::written(|file| save(file, "value", &all));

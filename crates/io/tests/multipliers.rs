@@ -1,5 +1,5 @@
-//! Spaces of multipliers and the forms of their stabilisation come back with the same bits, satisfy the formulas that the file
-//! tells, and are refused when damaged.
+//! Spaces of multipliers and the forms of their stabilisation come back with the same bits, satisfy the formulas in the
+//! file, and are refused when damaged.
 
 use crate::common::{
     check_damage_is_refused, check_round_trip, dense_bits, place, python, spoiled, stored_twice, written,
@@ -91,7 +91,8 @@ fn apart(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
     (a - b).norm_max() / b.norm_max()
 }
 
-/// B, C and D of the stored traces and values; Q of stored numbers; the Schur complement E (S - B_γ)⁻¹ Eᵀ + D_γ of stored forms.
+/// Checks B, C and D against the stored traces and values, Q against stored numbers, and the Schur complement E (S -
+/// B_γ)⁻¹ Eᵀ + D_γ of stored forms.
 #[test]
 fn the_forms_are_those_of_the_stored_parts() {
     let block = Block::new(false, 10, 3, 0.45);
@@ -143,7 +144,7 @@ fn the_forms_are_those_of_the_stored_parts() {
     assert!(worst.iter().all(|w| *w < 1e-10) && (sum / squares - 1.0).abs() < 1e-12, "{worst:?}");
 }
 
-/// β of the stored pairing and matrix, by eigenvalues of B S⁻¹ Bᵀ of a coarse against a finer space.
+/// Checks β against the stored pairing and matrix, by eigenvalues of B S⁻¹ Bᵀ of a coarse against a finer space.
 #[test]
 fn the_constant_is_that_of_the_stored_matrices() {
     let (coarse, fine) = (Block::new(false, 8, 2, 0.3), Block::new(false, 16, 3, 0.3));
@@ -191,7 +192,7 @@ fn damaged_files_are_refused() {
     assert!(spoiled(&InfSup { beta: 0.5 }, "beta", negative).contains("-0.5 is no root"));
 }
 
-/// `read_forms.py` demands the formulas of numpy.
+/// `read_forms.py` checks the formulas with numpy.
 #[test]
 fn numpy_finds_the_formulas() {
     let block = Block::new(false, 10, 2, 0.4);

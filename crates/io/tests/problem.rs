@@ -1,4 +1,4 @@
-//! Problems and methods come back with the same bits, mean what they meant, and are refused when damaged.
+//! Problems and methods come back with the same bits and the same meaning, and are refused when damaged.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -44,7 +44,7 @@ fn loaded() -> Problem {
     problem
 }
 
-/// Two bodies, in contact on one side and tied to a third one with jumps, the second place carrying.
+/// Two bodies in contact, one of them tied to a third one with jumps; the second side carries the multipliers.
 fn joined() -> Problem {
     let outlines = [([0.0, 0.0], "a."), ([0.0, 1.0], "b."), ([0.0, 2.0], "c.")];
     let outline = outlines.map(|(at, name)| Polygon::new(rectangle(at, name, Path::Line), vec![]).unwrap());
@@ -91,7 +91,7 @@ fn cavity() -> Problem {
     Problem::new(Polygon::outside(vec![hole]).unwrap(), Substance::Homogeneous(steel()))
 }
 
-/// What a problem says, its expressions by text, names, values and values at places.
+/// A problem as text; its expressions as text, names, values and values at points.
 fn said(problem: &Problem) -> String {
     let mut text = format!("{:?}\n", problem.outline);
     let mut bare = problem.clone();

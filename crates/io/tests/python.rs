@@ -1,4 +1,4 @@
-//! Other programs read the file: h5py, scipy's layout of sparse matrices, VTK.
+//! Other programs read the file: h5py, scipy with its layout of sparse matrices, VTK.
 
 use crate::common::{place, python, sparse};
 use faer::Mat;

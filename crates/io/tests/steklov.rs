@@ -1,5 +1,5 @@
-//! Spaces, Steklov-Poincaré matrices and condensations come back with the same bits, satisfy the formulas that the file tells, and
-//! are refused when damaged.
+//! Spaces, Steklov-Poincaré matrices and condensations come back with the same bits, satisfy the formulas in the file,
+//! and are refused when damaged.
 
 use crate::common::{
     bits, check_damage_is_refused, check_round_trip, dense_bits, place, python, stored_twice, written,
@@ -15,8 +15,8 @@ fn ring(corners: &[[f64; 2]]) -> Loop {
     Loop::straight(corners.to_vec(), vec!["all".to_owned(); corners.len()])
 }
 
-/// A boundary of a body as the domain asks for: a trapezium of some size with a hole, or without where the body is outside of it; the
-/// plane around a triangle. It is cut into elements of two degrees.
+/// The boundary of a body for a domain: a trapezium of some size with a hole, or without a hole if the body is outside
+/// of it, or the plane around a triangle. It is cut into elements of two degrees.
 fn mesh(size: f64, domain: Domain, parts: usize, degree: usize) -> Mesh {
     let outer: Vec<[f64; 2]> = [[0.0, 0.0], [1.0, 0.1], [0.9, 1.0], [0.0, 1.0]].map(|x| x.map(|x| size * x)).to_vec();
     let inner: Vec<[f64; 2]> = [[0.3, 0.3], [0.4, 0.7], [0.6, 0.3]].map(|x| x.map(|x| size * x)).to_vec();
@@ -50,7 +50,7 @@ fn apart(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
     (a - b).norm_max() / b.norm_max()
 }
 
-/// S of the operators by other algebra than that of `steklov-bem-operators`.
+/// S of the operators by different algebra from that of `steklov-bem-operators`.
 fn by_hand(operators: &Operators, domain: Domain) -> Mat<f64> {
     let sign = if matches!(domain, Domain::Interior | Domain::BoundedAtInfinity) { 1.0 } else { -1.0 };
     let mut h = Mat::from_fn(operators.k.nrows(), operators.k.ncols(), |i, j| sign * operators.k[(i, j)]);
@@ -109,7 +109,7 @@ proptest! {
     }
 }
 
-/// S of the stored V, K, W and M, V of the stored factor, and H of both factors.
+/// Checks S against the stored V, K, W and M, V against the stored factor, and H against both factors.
 #[test]
 fn the_matrix_is_that_of_the_stored_operators() {
     let mut worst = [0.0f64; 3];
@@ -147,7 +147,7 @@ fn block(s: &Mat<f64>, rows: std::ops::Range<usize>, columns: std::ops::Range<us
     Mat::from_fn(rows.len(), columns.len(), |i, j| s[(rows.start + i, columns.start + j)])
 }
 
-/// S_c and the condensed load of the stored S, by another factor.
+/// Checks S_c and the condensed load against the stored S, by another factor.
 #[test]
 fn what_is_condensed_is_the_schur_complement_of_the_stored_matrix() {
     let mesh = mesh(2.0, Domain::Interior, 9, 2);
@@ -210,7 +210,7 @@ fn damaged_files_are_refused() {
     check_damage_is_refused(&condensation, &["held_values"]);
 }
 
-/// `read_steklov.py` demands the formulas of numpy.
+/// `read_steklov.py` checks the formulas with numpy.
 #[test]
 fn numpy_finds_the_formulas() {
     let mesh = mesh(2.0, Domain::Interior, 9, 2);

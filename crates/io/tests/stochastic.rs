@@ -123,7 +123,8 @@ proptest! {
         prop_assert_eq!(check_round_trip(&Truncation::Captured(share)), Truncation::Captured(share));
     }
 
-    /// Products of basis functions have the bits of what was written; Gauss nodes make M_E of E = 1 diagonal, D_j on it.
+    /// Products of basis functions have the same bits as before writing; with Gauss nodes M_E of E = 1 is diagonal,
+    /// with the entries D_j.
     #[test]
     fn bases_of_cells(degree in prop::array::uniform3(0_usize..6), directions in 1_usize..4, lobatto: bool) {
         let kind = if lobatto { Nodes::Lobatto } else { Nodes::Gauss };
@@ -140,7 +141,7 @@ proptest! {
         }
     }
 
-    /// What was read is solved with the bits of what was written, and satisfies the equation that the file tells.
+    /// The read problem has the same solution, bit by bit, as the written one, and satisfies the equation in the file.
     #[test]
     fn coupled_problems(
         problem in prop_oneof![mixed(4, Friction::Tresca), mixed(4, Friction::Coulomb(0.2))], degree in 0_usize..4,
@@ -176,7 +177,7 @@ fn imbalance(problem: &StoredTensorProblem, displacement: &Mat<f64>, multipliers
     rest.norm_max() / scale
 }
 
-/// Rules of the highest degree are still known for what they are.
+/// Rules of the highest degree are still recognised.
 #[test]
 fn bases_of_high_degree() {
     for variable in variables() {
@@ -210,7 +211,7 @@ fn damaged_files_are_refused() {
     check_damage_is_refused(&tensor(&problem, &basis([1, 1, 0], 2, Nodes::Gauss)), &[&free[..], &weights].concat());
 }
 
-/// The error of reading without a part.
+/// The error of reading a value without a part.
 fn spoiled_by_loss<T: Persist>(value: &T, part: &str) -> IoError {
     let (_folder, file) = written(|f| {
         save(f, "value", value)?;

@@ -33,7 +33,7 @@ fn mesh() -> Mesh {
     mesh.raised(&marked)
 }
 
-/// Holes in the plane, several bodies and a medium among them come back as what they are; pieces between cracks are refused.
+/// Holes in the plane, several bodies and a medium among them come back unchanged; pieces between cracks are refused.
 #[test]
 fn polygons_of_media_and_of_several_bodies() {
     let square = |x: f64, y: f64, size: f64, name: &str| {

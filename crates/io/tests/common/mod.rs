@@ -1,4 +1,4 @@
-//! What the tests of this crate share.
+//! Common parts of the tests of this crate.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -7,7 +7,7 @@ use faer::Mat;
 use sprs::CsMat;
 use steklov_io::*;
 
-/// A new folder and a file name in it; the folder goes when the first is dropped.
+/// A new folder and a file name in it; the folder is removed when the first is dropped.
 pub fn place() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a result.vtkhdf");
@@ -32,14 +32,14 @@ pub fn stored_twice<T: Persist>(value: &T) -> T {
     back
 }
 
-/// As [`stored_twice`], of a value that prints the same too (which tells -0 from 0, and every number of f64 from every other).
+/// As [`stored_twice`]; the value must also print the same (which distinguishes -0 from 0, and all different f64).
 pub fn check_round_trip<T: Persist + std::fmt::Debug>(value: &T) -> T {
     let back = stored_twice(value);
     assert_eq!(format!("{value:?}"), format!("{back:?}"));
     back
 }
 
-/// Writes `value`, replaces one of its parts and reads: the error that comes.
+/// Writes `value`, replaces one of its parts and reads: returns the error.
 pub fn spoiled<T: Persist>(value: &T, part: &str, replace: impl FnOnce(&Group) -> Result<(), IoError>) -> String {
     let (_folder, file) = written(|f| {
         save(f, "value", value)?;
@@ -89,7 +89,7 @@ pub fn python(script: &str, argument: &std::path::Path) {
     assert!(run.status.success(), "{script} failed\n{out}\n{err}");
 }
 
-/// Paths of the datasets in a group, those of its groups too.
+/// Paths of the datasets in a group and its subgroups.
 fn datasets(group: &Group) -> Vec<String> {
     let mut paths = Vec::new();
     for name in group.member_names().unwrap() {
@@ -104,9 +104,9 @@ fn datasets(group: &Group) -> Vec<String> {
 /// A way to change a dataset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Damage {
-    /// It is not there.
+    /// It is missing.
     Missing,
-    /// It has a row more, or a text is another one.
+    /// It has one more row, or a text is different.
     Longer,
     /// An entry is NaN, or 2^40.
     NoNumber,
@@ -114,7 +114,7 @@ enum Damage {
     Larger,
 }
 
-/// Whether the dataset was changed.
+/// Changes a dataset; returns whether it was changed.
 fn damage(group: &Group, name: &str, damage: Damage) -> bool {
     let (dataset, wrong) =
         (group.dataset(name).unwrap(), Label { unit: "1", meaning: "wrong", axes: &["row", "column"] });
@@ -170,9 +170,9 @@ fn damage(group: &Group, name: &str, damage: Damage) -> bool {
     true
 }
 
-/// Stores `value` and changes each of its datasets in turn, in each way: reading has to refuse the file by an error that names it
-/// and the group. `free` are the datasets of which an entry may have any finite value, or
-/// that may be any text. Gives the number of damaged files.
+/// Stores `value` and changes each of its datasets in turn, in each way: reading has to refuse the file by an error
+/// that names it and the group. `free` are the datasets of which an entry may have any finite value, or that may be any
+/// text. Returns the number of damaged files.
 pub fn check_damage_is_refused<T: Persist>(value: &T, free: &[&str]) -> usize {
     let (_folder, file) = written(|f| save(f, "value", value));
     let paths = datasets(&file.group("value").unwrap());
