@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use steklov_picture::{Axis, Band, Chart, Curve, Guide, PictureError, Scale, Series, chart, write};
 
-/// Points of a curve, and which of them are in doubt (none if the list is empty).
+/// Points of a curve, and whether each is in doubt (none if the list is empty).
 #[derive(Default)]
 pub(crate) struct Dots {
     pub(crate) points: Vec<[f64; 2]>,
@@ -57,7 +57,7 @@ pub(crate) struct Drawing<'a> {
     pub(crate) axes: [Axis<'a>; 2],
     pub(crate) quantities: &'a [&'a str],
     pub(crate) lines: Vec<Line>,
-    /// What doubt means.
+    /// Meaning of the mark of a point in doubt.
     pub(crate) flag: &'a str,
     pub(crate) guides: &'a [Guide<'a>],
     pub(crate) band: Option<Band<'a>>,
@@ -77,12 +77,12 @@ pub(crate) struct Pictures<'a> {
 }
 
 impl<'a> Pictures<'a> {
-    /// None so far.
+    /// No picture yet.
     pub(crate) fn new(folder: &'a Path) -> Self {
         Self { folder, files: Vec::new() }
     }
 
-    /// Draws one under a name.
+    /// Draws a picture and saves it under a name.
     pub(crate) fn draw(&mut self, name: &str, d: &Drawing<'_>) -> Result<(), PictureError> {
         let curves: Vec<Vec<Curve<'_>>> = d.lines.iter().map(|l| l.curves.iter().map(Dots::curve).collect()).collect();
         let series: Vec<Series<'_>> =

@@ -7,10 +7,10 @@ use steklov_problem::DataError;
 /// Why a study has no results.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A scene that cannot be studied so.
+    /// A scene that this study cannot treat.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// The reference for the rest cannot be solved.
+    /// The reference cannot be solved.
     #[error(transparent)]
     Solve(#[from] SolveError),
     /// The single layer matrix of the study's own mesh cannot be computed.

@@ -1,6 +1,6 @@
 //! Laws of convergence fitted to errors.
 
-/// How an error falls with the number N of unknowns.
+/// Law of an error over the number N of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Law {
     /// C N^r.
@@ -45,16 +45,17 @@ impl Law {
 pub struct Fit {
     /// The law.
     pub law: Law,
-    /// Its r; negative where errors fall.
+    /// Its r; negative if errors fall.
     pub rate: f64,
     /// 1 - Σ(y - fit)²/Σ(y - mean)², y the logarithms: 1 for a perfect fit.
     pub r_squared: f64,
-    /// How many points it is fitted to.
+    /// Number of fitted points.
     pub points: usize,
 }
 
-/// Fits a law to the later half of `(N, error)`, N rising: the points from the geometric mean of the least and the largest N
-/// on, at least the last three. Errors that are not positive and finite are left out; None if fewer than three are left.
+/// Fits a law to the later half of `(N, error)`, N rising: the points from the geometric mean of the smallest and the
+/// largest N on, at least the last three. Errors that are not positive and finite are left out; None if fewer than
+/// three are left.
 pub fn fit(law: Law, errors: &[(usize, f64)]) -> Option<Fit> {
     let known: Vec<(usize, f64)> = errors.iter().copied().filter(|(_, e)| *e > 0.0 && e.is_finite()).collect();
     let middle = (known.first()?.0 as f64 * known.last()?.0 as f64).sqrt();

@@ -1,4 +1,4 @@
-//! Which studies there are, what each sets in a scene, and how it is carried out.
+//! The kinds of studies, their settings in a scene, and their execution.
 
 use std::path::{Path, PathBuf};
 
@@ -34,13 +34,13 @@ pub enum StudyKind {
 /// The options of a study besides its scene.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// The strategies to compare, of [`StudyKind::Convergence`].
+    /// The strategies to compare, for [`StudyKind::Convergence`].
     pub strategies: Vec<Chosen>,
-    /// Results of other methods, of [`StudyKind::Stability`].
+    /// Results of other methods, for [`StudyKind::Stability`].
     pub beside: Vec<Beside>,
-    /// The steps whose meshes are drawn, of [`StudyKind::Convergence`]; some of each strategy if there are none.
+    /// The steps whose meshes are drawn, for [`StudyKind::Convergence`]; some of each strategy if there are none.
     pub steps: Vec<usize>,
-    /// Number of runs whose median gives the seconds, where they are measured so.
+    /// Number of runs whose median gives the seconds, in studies that repeat runs.
     pub repeat: usize,
 }
 
@@ -48,7 +48,7 @@ pub struct Options {
 pub type Draw<'d> = &'d dyn Fn(&Path) -> Result<Vec<PathBuf>, PictureError>;
 
 impl StudyKind {
-    /// All of them, each with the word of the command and what it is.
+    /// All studies, each with its word on the command line and its description.
     pub const ALL: [(Self, &'static str, &'static str); 7] = [
         (Self::Convergence, "convergence", "Errors of strategies of refinement over unknowns and seconds"),
         (Self::InfSup, "inf-sup", "Inf-sup constants of contact multipliers, with and without stabilisation"),
@@ -94,7 +94,7 @@ impl StudyKind {
         if self == Self::Convergence { "study" } else { self.word() }
     }
 
-    /// The settings for a scene with this method, where the user sets nothing else.
+    /// The settings for a scene with this method, if the user sets nothing else.
     fn settings(self, method: &Method) -> Vec<Setting> {
         match self {
             Self::Convergence | Self::Solvers | Self::Stochastic => settings(method),
@@ -105,7 +105,7 @@ impl StudyKind {
         }
     }
 
-    /// Gives a scene the settings of the study where no override decides, and notes them among its texts.
+    /// Gives a scene the settings of the study that no override replaces, and adds them to its texts.
     ///
     /// # Errors
     /// A scene that cannot be solved with them.
@@ -143,7 +143,7 @@ impl StudyKind {
     /// Runs the study, and passes its report and its pictures to `told`.
     ///
     /// # Errors
-    /// A scene that cannot be studied so; a reference that cannot be solved.
+    /// A scene that this study cannot treat; a reference that cannot be solved.
     pub fn carry_out<T>(
         self,
         document: &Document,

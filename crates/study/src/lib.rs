@@ -1,6 +1,6 @@
 //! Studies of problems: errors over unknowns and seconds, stability, chance, multiscale bases, coupling.
 //!
-//! Each study is a module: what it computes, the columns of its tables, its report and its pictures.
+//! Each study is a module with its computation, the columns of its tables, its report and its pictures.
 //!
 //! ```text
 //! rows ─► table (columns declared once) ─► report (CSV, JSON, HDF5, text)
@@ -67,7 +67,7 @@ fn quadratic(matrix: &faer::Mat<f64>, v: &[f64]) -> f64 {
     (0..v.len()).map(|j| v[j] * steklov_algebra::dot(matrix.col_as_slice(j), v)).sum()
 }
 
-/// The median; of an even number the mean of the two in the middle; NaN of none.
+/// The median; for an even number of values the mean of the two in the middle; NaN without values.
 fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     let n = values.len();

@@ -1,7 +1,7 @@
 //! True errors: the distance to a solution on a mesh that contains both the mesh in question and a fine one.
 //!
-//! The fine meshes are the steps of an hp run down to an error well below the tolerance. A mesh is compared with the first of them whose
-//! error is small beside its own, so that coarse meshes are measured cheaply.
+//! The fine meshes are the steps of an hp run down to an error well below the tolerance. A mesh is compared with the
+//! first fine mesh whose error is small beside its own, so that the errors of coarse meshes are cheap to compute.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -26,11 +26,11 @@ use crate::error::StudyError;
 pub struct Reference {
     /// J to which energy errors refer.
     pub energy: f64,
-    /// Where that J comes from.
+    /// The source of that J.
     pub source: EnergySource,
     /// J of the finest level.
     pub own_energy: f64,
-    /// How far the exact J may be from that.
+    /// How far the exact J may be from it.
     pub uncertainty: f64,
     /// (2 strain energy)^½ of the finest level: the norm to which errors are relative.
     pub norm: f64,
@@ -38,17 +38,17 @@ pub struct Reference {
     pub levels: Vec<Level>,
 }
 
-/// Where the J of a reference comes from.
+/// The source of the J of a reference.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EnergySource {
-    /// The finest level: the scene expects none.
+    /// The finest level: the scene expects no J.
     Own,
-    /// The scene's `[expect]`, which the finest level confirms.
+    /// The `[expect]` of the scene, which the finest level confirms.
     Expected {
-        /// What the scene says about it.
+        /// The source that the scene states.
         source: String,
     },
-    /// The finest level: it contradicts the scene's `[expect]`.
+    /// The finest level: it contradicts the `[expect]` of the scene.
     Contradicted {
         /// The scene's value.
         expected: f64,
@@ -66,28 +66,31 @@ pub struct Level {
     pub estimate: f64,
 }
 
-/// Relative error (energy norm) that the reference aims at: this part of the tolerance of the strategies, or the number
-/// after it where rounding would be in the way.
+/// Relative error (energy norm) that the reference aims at: the part `SHARPER` of the tolerance of the strategies, but
+/// not less than `TOLERANCE`, because of rounding errors.
 const SHARPER: f64 = 0.02;
 const TOLERANCE: f64 = 3e-8;
-/// Largest number of unknowns of the reference: this many, or 1.5 times as many as the strategies may have.
+/// Largest number of unknowns of the reference: this number, or 1.5 times the limit of the strategies if that is
+/// larger.
 const DOFS: usize = 1650;
-/// A level whose error is below this part of a mesh's measures that mesh's error to a few per cent.
+/// A level whose error is below this part of a mesh's error gives that error to a few per cent.
 const FINE: f64 = 0.05;
-/// Above this part the finest level measures nothing.
+/// Above this part the finest level gives no error.
 const TOO_COARSE: f64 = 1.0 / 3.0;
 /// Largest number of unknowns of a common refinement.
 const COMMON_DOFS: usize = 5000;
 /// Relative error of J that rounding leaves.
 const ROUNDING: f64 = 1e-12;
-/// Vertices of the fine mesh closer to one of the mesh in question than this (edge parameter) are left out.
+/// Vertices of the fine mesh are left out if they are closer than this (edge parameter) to a vertex of the mesh in
+/// question.
 const CLOSE: f64 = 1e-7;
 
 impl Reference {
-    /// Runs the hp strategy to an error well below the tolerance of the scene. `observe` sees the events of its steps.
+    /// Runs the hp strategy to an error well below the tolerance of the scene. `observe` receives the events of its
+    /// steps.
     ///
     /// # Errors
-    /// As [`run`]; [`SolveError::Interrupted`] also after a first wish to stop; [`StudyError::NotSolved`].
+    /// As [`run`]; [`SolveError::Interrupted`] also after a first request to stop; [`StudyError::NotSolved`].
     pub fn new(
         scene: &Scene,
         interrupts: &AtomicUsize,
@@ -138,12 +141,12 @@ impl Reference {
         ((energy - self.energy).abs() / self.energy.abs()).sqrt()
     }
 
-    /// ⟨S e, e⟩^½ of a step with the given nodal displacement, S and the exact solution from the common refinement with a
-    /// level. None where that is not known well enough: the error is not large beside that of the finest level, the common
-    /// refinement has too many unknowns, or its contact problem is not solved.
+    /// ⟨S e, e⟩^½ of a step with the given nodal displacement, S and the exact solution from the common refinement with
+    /// a level. None if it cannot be determined well enough: the error is not large beside that of the finest level,
+    /// the common refinement has too many unknowns, or its contact problem is not solved.
     ///
     /// # Errors
-    /// As [`solve`]; [`SolveError::Interrupted`] after a second wish to stop.
+    /// As [`solve`]; [`SolveError::Interrupted`] after a second request to stop.
     pub fn true_error(
         &self,
         scene: &Scene,
@@ -164,7 +167,8 @@ impl Reference {
         Ok(truth.converged.then_some(truth.error))
     }
 
-    /// The first level that is fine enough for a relative error; else the finest, if that is better at all.
+    /// The first level that is fine enough for a relative error; else the finest, if it is fine enough for a rough
+    /// value.
     fn level_for(&self, error: f64) -> Option<&Level> {
         let finest = Some(self.finest()).filter(|l| l.estimate <= TOO_COARSE * error);
         self.levels.iter().find(|l| l.estimate <= FINE * error).or(finest)
@@ -178,7 +182,7 @@ impl Level {
     }
 }
 
-/// Removes the rigid motions that nothing resists: they are no error.
+/// Removes the rigid motions that nothing resists, which do not count as errors.
 fn remove_motions(difference: &mut [f64], exact: &Solved) {
     let mut motions: Vec<Vec<f64>> = Vec::new();
     for motion in &exact.free_motions {
@@ -194,7 +198,8 @@ fn remove_motions(difference: &mut [f64], exact: &Solved) {
 /// True error of a solved mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrueError {
-    /// ⟨S e, e⟩^½ of e = u_h - u, with u and S of the common refinement; with a medium around the body the root of the sum of both.
+    /// ⟨S e, e⟩^½ of e = u_h - u, with u and S of the common refinement; with a medium around the body, the root of the
+    /// sum of the squares of both.
     pub error: f64,
     /// (2 strain energy)^½ of u: the norm to which errors are relative.
     pub norm: f64,
@@ -246,7 +251,7 @@ fn distance(
     let squared = match &body.outside {
         None => dot(&difference, &stiff),
         Some(outside) => {
-            // the jumps of the two meshes differ by the part that the nodes of one miss
+            // the jumps interpolated on the two meshes differ
             let space = Space::new(mesh);
             let jump = OnMesh { scene, mesh, space: &space }.jump()?;
             let xi: Vec<f64> = displacement.iter().zip(&jump).map(|(u, jump)| u - jump).collect();
@@ -262,7 +267,7 @@ fn distance(
     })
 }
 
-/// The vertices of both, those of `fine` next to one of `coarse` left out; one degree more than both need there.
+/// The vertices of both meshes, without vertices of `fine` close to one of `mesh`; degrees one higher than both need.
 fn common_refinement(mesh: &Mesh, fine: &Subdivision) -> Subdivision {
     let coarse = Subdivision::new(mesh, &vec![Mark::Keep; mesh.len()]);
     let edges = coarse.edges.iter().zip(&fine.edges).map(|(a, b)| {
@@ -283,15 +288,16 @@ fn common_refinement(mesh: &Mesh, fine: &Subdivision) -> Subdivision {
     Subdivision { edges: edges.collect() }
 }
 
-/// Degree that a polynomial on a piece needs on a part of it. A Legendre polynomial of degree p restricted to a part r of
-/// its interval, at an end, is one of degree p r^½ + 1 up to 3 % of its largest value; in the middle less.
+/// Degree that represents a polynomial of a piece on a part of it. A Legendre polynomial of degree p, restricted to a
+/// part r at an end of its interval, is a polynomial of degree p r^½ + 1 up to 3 % of its largest value; in the middle
+/// a lower degree suffices.
 fn restricted(piece: &Piece, length: f64) -> usize {
     let share = (length / (piece.end - piece.start)).min(1.0);
     let degree = (piece.degree as f64 * share.sqrt()).ceil() as usize + 1;
     degree.min(piece.degree)
 }
 
-/// The nodal values, on the reference's nodes, of a displacement on a mesh that the reference refines.
+/// The values, at the nodes of the reference, of a displacement on a mesh that the reference refines.
 fn prolong(mesh: &Mesh, displacement: &[f64], reference: &Solved) -> Vec<f64> {
     let space = Space::new(mesh);
     let (fine, nodes) = (&reference.mesh, &reference.space);

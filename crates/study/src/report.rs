@@ -1,4 +1,4 @@
-//! The results of a study as plain data, from which its JSON object, its HDF5 file, its CSV tables and its printed text come.
+//! The results of a study as plain data, the source of its JSON object, HDF5 file, CSV tables and printed text.
 
 use serde_json::{Map, Value, json};
 use steklov_bem_operators::Mesh;
@@ -16,7 +16,7 @@ use crate::table::Table;
 pub struct Report<'a> {
     /// The file's description of its content.
     pub(crate) content: &'static str,
-    /// Whose settings are stored.
+    /// The meaning of the stored settings.
     pub(crate) overrides: &'static str,
     /// The scene as it was run.
     pub(crate) scene: &'a Scene,
@@ -30,7 +30,7 @@ pub struct Report<'a> {
     pub(crate) parts: Vec<Part>,
     /// Names and contents of the CSV tables.
     pub tables: Vec<(&'static str, String)>,
-    /// The text printed between the title and the word of an interruption.
+    /// The text printed between the title and the note of an interruption.
     pub(crate) body: String,
 }
 
@@ -117,7 +117,8 @@ pub(crate) fn list(name: &str, items: Vec<Vec<Part>>) -> Part {
     Part::new(name, Some(value), Some(Stored::Group(groups.collect())))
 }
 
-/// Tables of one sort with their names, each a list of `points` and the columns of a group; `meaning` says what is named.
+/// Tables of one kind with their names, each a list of `points` and the columns of a group; `meaning` describes the
+/// names.
 pub(crate) fn named<'n>(
     name: &str,
     names: impl Iterator<Item = &'n str>,
@@ -128,7 +129,7 @@ pub(crate) fn named<'n>(
     list(name, names.enumerate().map(item).collect())
 }
 
-/// What failed, and why.
+/// The failures, each with its reason.
 pub(crate) fn failures<'f>(all: impl Iterator<Item = &'f (String, String)>) -> Part {
     told("failures", all.map(|(at, why)| json!({ "at": at, "message": why })).collect::<Value>())
 }
@@ -138,12 +139,12 @@ impl Part {
         Self { name: name.to_owned(), told, kept }
     }
 
-    /// The same in the JSON object only.
+    /// The part in the JSON object only.
     pub(crate) fn only_told(self) -> Self {
         Self { kept: None, ..self }
     }
 
-    /// The same in the file only.
+    /// The part in the file only.
     pub(crate) fn only_kept(self) -> Self {
         Self { told: None, ..self }
     }
@@ -173,7 +174,7 @@ fn keep(at: &Group, parts: &[Part]) -> Result<(), IoError> {
 }
 
 impl Report<'_> {
-    /// The JSON object; numbers that are not known are null.
+    /// The JSON object; unknown numbers are null.
     pub fn json(&self) -> Value {
         let mut all = object(&self.parts);
         all["title"] = json!(self.scene.title);

@@ -42,15 +42,15 @@ impl fmt::Display for Setting {
     }
 }
 
-/// First mesh of every strategy: a comparison needs the way from coarse to fine.
+/// First mesh of every strategy: a comparison needs meshes from coarse to fine.
 const FIRST: [Setting; 2] = [Elements(16), Degree(1)];
-/// Relative error (energy norm) at which a strategy is done, if the scene names none.
+/// Relative error (energy norm) at which a strategy ends, if the scene has no tolerance.
 const TOLERANCE: f64 = 1e-6;
 /// Largest number of displacement unknowns, if the scene does not allow fewer.
 const MAX_DOFS: usize = 1100;
 
-/// The settings of a study on adaptive meshes, which the user's overrides win over: a coarse first mesh, and limits that let all
-/// strategies end within a minute or two. `method` is that of the scene, overrides included.
+/// The settings of a study on adaptive meshes, unless the user overrides them: a coarse first mesh, and limits with
+/// which all strategies end within a minute or two. `method` is the method of the scene, overrides included.
 pub fn settings(method: &Method) -> Vec<Setting> {
     let tolerance = method.tolerance.is_none().then_some(Tolerance(TOLERANCE));
     let max_dofs = method.max_dofs.is_none_or(|given| given > MAX_DOFS).then_some(MaxDofs(MAX_DOFS));

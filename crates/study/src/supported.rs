@@ -15,11 +15,12 @@ use steklov_quadrature::gauss_legendre;
 pub(super) struct Supported {
     /// The mesh.
     pub(super) mesh: Mesh,
-    /// Its unknowns.
+    /// The space of its displacements.
     pub(super) space: Space,
-    /// S with the springs of sides, and with springs against the rigid motions r that the supports leave: E (∫ r·v)² / (∫ r·r ∫ 1), the same on any mesh.
+    /// S with the springs of sides, and with springs against the rigid motions r that the supports leave: E (∫ r·v)² /
+    /// (∫ r·r ∫ 1), the same on all meshes.
     pub(super) stiffness: Mat<f64>,
-    /// Displacements to tractions.
+    /// The map of displacements to tractions.
     pub(super) traction: TractionMap,
     /// Held unknowns and their values.
     pub(super) held: Vec<(Dof, f64)>,
@@ -29,7 +30,7 @@ impl Supported {
     /// The scene's body on a mesh.
     ///
     /// # Errors
-    /// As [`steklov_model::solve::one_mesh::solve`], of prescribed displacements and operators.
+    /// As [`steklov_model::solve::one_mesh::solve`] for prescribed displacements and operators.
     pub(super) fn new(scene: &Scene, mesh: Mesh) -> Result<Self, SolveError> {
         let space = Space::new(&mesh);
         let data = OnMesh { scene, mesh: &mesh, space: &space };
@@ -85,7 +86,7 @@ pub(super) fn uniform(scene: &Scene, times: usize, degree: usize) -> Scene {
     scene
 }
 
-/// That mesh.
+/// The mesh of [`uniform`].
 pub(super) fn uniform_mesh(scene: &Scene, times: usize, degree: usize) -> Mesh {
     first_mesh(&uniform(scene, times, degree))
 }

@@ -1,30 +1,30 @@
-//! Tables: columns declared once and read from rows of any type, from which CSV, JSON and HDF5 come.
+//! Tables: columns declared once and read from rows of any type, for CSV, JSON and HDF5.
 
 use serde_json::{Map, Value};
 use steklov_io::{Group, IoError, Label, save_integers, save_texts, save_vector};
 
-/// A column of numbers: name, unit, meaning, how it is read from a row. Unknown numbers are NaN.
+/// A column of numbers: name, unit, meaning, and the function that reads it from a row. Unknown numbers are NaN.
 pub(crate) type Column<T> = (&'static str, &'static str, &'static str, fn(&T) -> f64);
 
 /// The entries of a column.
 #[derive(Clone)]
 enum Entries {
-    /// Names of the objects to which the rows belong, as CSV shows them: JSON and HDF5 have a group each instead.
+    /// Names of the objects to which the rows belong, in CSV only: JSON and HDF5 have a group for each object instead.
     Keys(Vec<String>),
     /// Numbers; whole ones are shown without a decimal point.
     Numbers(Vec<f64>),
-    /// Numbers that are always shown as such.
+    /// Numbers that are always shown with all digits.
     Digits(Vec<f64>),
-    /// Integers in HDF5, too.
+    /// Integers, also in HDF5.
     Counts(Vec<usize>),
-    /// Lists of words: one text in CSV and HDF5.
+    /// Lists of words; each list is one text in CSV and HDF5.
     Words(Vec<Vec<&'static str>>),
 }
 
 /// A table.
 #[derive(Clone)]
 pub(crate) struct Table {
-    /// What a row is.
+    /// The meaning of a row.
     axis: &'static str,
     rows: usize,
     /// Name, unit, meaning, entries.
@@ -32,7 +32,7 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// A table with these columns; `axis` says what a row is.
+    /// A table with these columns; `axis` is the meaning of a row.
     pub(crate) fn new<'r, T: 'r>(
         axis: &'static str,
         rows: impl IntoIterator<Item = &'r T>,
@@ -41,7 +41,7 @@ impl Table {
         Self::read(axis, rows.into_iter().collect(), columns, Entries::Numbers)
     }
 
-    /// One whose numbers are shown with all digits.
+    /// A table whose numbers are shown with all digits.
     pub(crate) fn digits<'r, T: 'r>(
         axis: &'static str,
         rows: impl IntoIterator<Item = &'r T>,
@@ -56,25 +56,25 @@ impl Table {
         Self { axis, rows: rows.len(), columns: columns.collect() }
     }
 
-    /// One more column in front: counts.
+    /// Adds a column of counts in front.
     pub(crate) fn counts(mut self, name: &'static str, meaning: &'static str, counts: Vec<usize>) -> Self {
         self.columns.insert(0, (name, "1", meaning, Entries::Counts(counts)));
         self
     }
 
-    /// One more column of words.
+    /// Adds a column of words.
     pub(crate) fn words(mut self, name: &'static str, meaning: &'static str, words: Vec<Vec<&'static str>>) -> Self {
         self.columns.push((name, "text", meaning, Entries::Words(words)));
         self
     }
 
-    /// One more column in front: the objects to which the rows belong.
+    /// Adds a column in front: the objects to which the rows belong.
     pub(crate) fn key(mut self, name: &'static str, keys: impl Iterator<Item = String>) -> Self {
         self.columns.insert(0, (name, "text", "", Entries::Keys(keys.collect())));
         self
     }
 
-    /// A line of names, and a line for each row; unknown numbers are left empty.
+    /// A line of names, and a line for each row; unknown numbers are empty.
     pub(crate) fn csv(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|c| c.0).collect();
         let lines = (0..self.rows).map(|row| {

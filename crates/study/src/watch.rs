@@ -1,4 +1,4 @@
-//! The observer of a study, which may stop it; the results found until then.
+//! The observer of a study, which may stop it, and the results found until then.
 
 use std::fmt::Display;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,23 +9,23 @@ use steklov_model::stage::Stage;
 
 /// Observes the progress of a study, and may stop it.
 pub struct Watch<'a> {
-    /// Wishes to stop.
+    /// Number of requests to stop.
     pub(crate) interrupts: &'a AtomicUsize,
     tell: &'a mut dyn FnMut(&str, &str),
 }
 
 impl<'a> Watch<'a> {
-    /// `tell` receives the name of a part and the place of the study in it; `interrupts` counts wishes to stop.
+    /// `tell` receives the name of a part and the progress in it; `interrupts` counts requests to stop.
     pub fn new(interrupts: &'a AtomicUsize, tell: &'a mut dyn FnMut(&str, &str)) -> Self {
         Self { interrupts, tell }
     }
 
-    /// Counts wishes to stop.
+    /// The counter of requests to stop.
     pub fn interrupts(&self) -> &'a AtomicUsize {
         self.interrupts
     }
 
-    /// Whether there was a wish to stop.
+    /// Whether there was a request to stop.
     pub fn stopped(&self) -> bool {
         self.interrupts.load(Ordering::Relaxed) > 0
     }
@@ -35,7 +35,7 @@ impl<'a> Watch<'a> {
         (self.tell)(part, detail);
     }
 
-    /// Reports where in a step an adaptive run is; `prefix` stands before the number of the step.
+    /// Reports the progress of an adaptive run in a step; `prefix` comes before the number of the step.
     pub(crate) fn tell_step(&mut self, part: &str, prefix: &str, step: usize, event: &Event<'_, BoundaryElements>) {
         if let Event::Stage(Stage::Progress(what, _)) = event {
             self.tell(part, &format!("{prefix}step {}, {what}", step + 1));
@@ -48,7 +48,7 @@ impl<'a> Watch<'a> {
 pub struct Found<T> {
     /// The results in the order in which they were found.
     pub points: Vec<T>,
-    /// What failed, and why.
+    /// The failures, each with its reason.
     pub failures: Vec<(String, String)>,
 }
 
@@ -59,7 +59,7 @@ impl<T> Default for Found<T> {
 }
 
 impl<T> Found<T> {
-    /// Keeps points, or why there are none.
+    /// Keeps points, or the reason why there are none.
     pub(crate) fn take<E: Display>(&mut self, at: String, found: Result<impl IntoIterator<Item = T>, E>) {
         match found {
             Ok(points) => self.points.extend(points),

@@ -23,8 +23,8 @@ const ENERGY_ERROR: Quantity = ("energy error", |p| p.energy_error);
 const EFFECTIVITY: Quantity = ("estimate / error", Point::effectivity);
 const RESIDUAL_EFFECTIVITY: Quantity = ("residual estimator / error", Point::residual_effectivity);
 
-/// Draws the charts, the meshes of each strategy at these steps (some if there are none) and the contact sides of the last one that
-/// has any into a folder; returns the files.
+/// Draws into a folder the charts, the meshes of each strategy at `steps` (some steps if it is empty), and the contact
+/// sides of the last strategy that has any; returns the files.
 ///
 /// # Errors
 /// When a picture cannot be drawn or written.
@@ -87,16 +87,16 @@ fn lines(study: &Study<'_>, cost: fn(&Point) -> f64, quantities: &[Quantity], la
     study.strategies.iter().map(line).collect()
 }
 
-/// A quantity where it is known: true errors are measured at some steps only.
+/// A quantity at the steps at which it is known: true errors are measured at some steps only.
 fn curve(strategy: &Strategy, cost: fn(&Point) -> f64, quantity: &Quantity) -> Dots {
-    // doubts are about estimates
+    // doubts concern estimates
     let of_estimate = [ESTIMATE.0, EFFECTIVITY.0].contains(&quantity.0);
     let known = strategy.points.iter().filter(|p| (quantity.1)(p).is_finite());
     let (points, flagged) = known.map(|p| ([cost(p), (quantity.1)(p)], of_estimate && !p.doubts.is_empty())).unzip();
     Dots { points, flagged }
 }
 
-/// A strategy's name with the law of its errors, if it is of that sort.
+/// The name of a strategy, with the law of its errors if one of this kind was fitted.
 fn name(strategy: &Strategy, law: Option<Law>) -> String {
     match strategy.fits().iter().find(|f| Some(f.law) == law) {
         Some(fit) => format!("{}: {}", strategy.name, fit.law.with_rate(fit.rate)),

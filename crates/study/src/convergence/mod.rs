@@ -58,10 +58,11 @@ pub fn strategies<S: AsRef<str>>(scene: &Scene, names: &[S], multipliers: &[S]) 
     all
 }
 
-/// Runs strategies, each a name, a refinement and a multiplier, `repeat` times. After a wish to stop no more of them are run.
+/// Runs strategies, each a name, a refinement and a multiplier, `repeat` times. After a request to stop no more of them
+/// are run.
 ///
 /// # Errors
-/// Those of [`Reference::new`].
+/// As [`Reference::new`].
 pub fn study<'a>(
     scene: &'a Scene,
     source: &'a Source,
@@ -85,7 +86,7 @@ pub fn study<'a>(
 }
 
 impl Study<'_> {
-    /// Whether nobody stopped it and every strategy went on to its tolerance or to a limit.
+    /// Whether nobody stopped it and every strategy reached its tolerance or a limit.
     pub fn complete(&self) -> bool {
         !self.interrupted && self.strategies.iter().all(Strategy::complete)
     }

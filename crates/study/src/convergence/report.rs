@@ -41,7 +41,7 @@ const NUMBERS: [Column<Point>; 10] = [
     }),
 ];
 
-/// A part of the residual estimator; NaN where it has none of this name.
+/// A part of the residual estimator; NaN if it has no part of this name.
 fn residual_part(p: &Point, name: &str) -> f64 {
     p.residual.as_ref().and_then(|residual| residual.parts.get(name)).copied().unwrap_or(f64::NAN)
 }

@@ -32,15 +32,15 @@ pub const NAMES: [(&str, Refine); 5] = [
 pub const MULTIPLIERS: [(&str, Multiplier); 2] =
     [("biorthogonal", Multiplier::Biorthogonal), ("stabilised", Multiplier::Stabilised)];
 
-/// The scene with biorthogonal multipliers: true errors are distances to its solution, which on a fine mesh is that of
-/// any multipliers.
+/// The scene with biorthogonal multipliers: true errors are distances to its solution, which on a fine mesh agrees with
+/// that of all multipliers.
 pub(crate) fn for_truth(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.method.multiplier = Multiplier::Biorthogonal;
     scene
 }
 
-/// Relative errors below this are rounding.
+/// Relative errors below this are rounding errors.
 const ROUNDED: f64 = 1e-9;
 
 /// A step of a strategy.
@@ -56,27 +56,27 @@ pub struct Point {
     pub energy: f64,
     /// (|J - J_ref|/|J_ref|)^½.
     pub energy_error: f64,
-    /// ⟨S e, e⟩^½ over that of the reference solution; NaN where it was not measured.
+    /// ⟨S e, e⟩^½ over that of the reference solution; NaN if it was not measured.
     pub error: f64,
-    /// Its estimate, over the same.
+    /// Estimate of the error, over the same norm.
     pub estimate: f64,
-    /// J of the enriched spaces and how far the exact one may be from it.
+    /// J of the enriched spaces, and how far the exact J may be from it.
     pub extrapolated: [f64; 2],
-    /// Parts of the estimate, over the same: correction, oscillation, tips.
+    /// Parts of the estimate, over the same norm: correction, oscillation, tips.
     pub parts: [f64; 3],
-    /// The residual estimator and its parts, over the same; None where the scene has none.
+    /// The residual estimator and its parts, over the same norm; None if the scene has none.
     pub residual: Option<Estimator>,
     /// Why the estimate is in doubt; empty if it is not.
     pub doubts: Vec<&'static str>,
 }
 
 impl Point {
-    /// Estimate over error; NaN where the error was not measured.
+    /// Estimate over error; NaN if the error was not measured.
     pub fn effectivity(&self) -> f64 {
         self.estimate / self.error
     }
 
-    /// Residual estimator over error; NaN where one of them is not known.
+    /// Residual estimator over error; NaN if one of them is unknown.
     pub fn residual_effectivity(&self) -> f64 {
         self.residual.as_ref().map_or(f64::NAN, |residual| residual.value / self.error)
     }
@@ -124,7 +124,7 @@ pub struct Constants {
 /// How a strategy ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum End {
-    /// The reason for which the run ended.
+    /// The reason why the run ended.
     Run(Reason),
     /// An error; the steps before it are kept.
     Failed(String),
@@ -143,7 +143,7 @@ impl End {
 /// A strategy and its steps.
 #[derive(Debug, Clone)]
 pub struct Strategy {
-    /// Its name in scenes, with that of its multiplier where several are compared.
+    /// Its name in scenes, with the name of its multiplier if several are compared.
     pub name: String,
     /// The steps.
     pub points: Vec<Point>,
@@ -164,12 +164,12 @@ impl Strategy {
         chosen(&self.points.iter().map(|p| p.dofs).collect::<Vec<_>>(), most)
     }
 
-    /// Whether it went on to its tolerance, to rounding errors or to a limit.
+    /// Whether it reached its tolerance, rounding errors or a limit.
     pub fn complete(&self) -> bool {
         !matches!(self.end, End::Failed(_) | End::Run(Reason::Interrupted | Reason::Solver))
     }
 
-    /// The constants of the residual estimator; None where no step was measured. Errors of rounding are left out.
+    /// The constants of the residual estimator; None if no step was measured. Rounding errors are left out.
     pub fn constants(&self) -> Option<Constants> {
         let known = self.points.iter().filter(|p| p.error > ROUNDED).map(Point::residual_effectivity);
         let ratios: Vec<f64> = known.filter(|ratio| ratio.is_finite()).collect();
@@ -186,7 +186,7 @@ impl Strategy {
     }
 }
 
-/// Runs a strategy `repeat` times and measures the errors of some of its steps, evenly spaced in log N. After a wish
+/// Runs a strategy `repeat` times and measures the errors of some of its steps, evenly spaced in log N. After a request
 /// to stop nothing more is run or measured.
 ///
 /// An error of the solver ends the strategy, not the study: [`End::Failed`].
@@ -221,7 +221,7 @@ pub fn strategy(
     let measured = chosen(&dofs, MEASURED);
     let mut points = Vec::with_capacity(steps.len());
     for (k, (step, (displacement, residual))) in steps.iter().zip(&first.left).enumerate() {
-        // an error that cannot be measured is not known: the point has its estimate still
+        // an error that cannot be measured is unknown; the point keeps its estimate
         let error = (measured.contains(&k) && !watch.stopped()).then(|| {
             watch.tell(&format!("{name}, true errors"), &format!("step {} of {}", k + 1, steps.len()));
             reference.true_error(&truth, step, displacement, watch.interrupts).ok().flatten()
@@ -257,7 +257,7 @@ impl Round {
                     return Ok(());
                 }
                 let clock = Instant::now();
-                // one that cannot be computed is not known
+                // an estimator that cannot be computed is unknown
                 left.push((solved.displacement.clone(), residual(scene, solved, step).ok().flatten()));
                 looking += clock.elapsed().as_secs_f64();
             }

@@ -1,4 +1,4 @@
-//! The rigid motions that must leave the three-field form.
+//! The rigid motions that must be removed from the three-field form.
 
 use faer::Mat;
 use steklov_algebra::symmetric_eigenvalues;
@@ -21,7 +21,7 @@ pub struct Condition {
     pub size: usize,
     /// Smallest over largest eigenvalue, by magnitude, with both translations removed from ξ.
     pub two: f64,
-    /// The same with the rotation removed, too.
+    /// The same with the rotation removed as well.
     pub three: f64,
 }
 
@@ -45,14 +45,14 @@ impl Conditioning {
     }
 }
 
-/// Smallest over largest magnitude of an eigenvalue of a symmetric matrix; NaN if they cannot be had.
+/// Smallest over largest magnitude of an eigenvalue of a symmetric matrix; NaN if they cannot be computed.
 fn reciprocal(matrix: &Mat<f64>) -> f64 {
     let Ok(values) = symmetric_eigenvalues(matrix.as_ref()) else { return f64::NAN };
     let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     values.iter().fold(f64::INFINITY, |m, v| m.min(v.abs())) / largest
 }
 
-/// Measures all pairs on all grids. After a wish to stop nothing more is measured.
+/// Measures all pairs on all grids. After a request to stop nothing more is measured.
 pub fn conditioning(polygon: &Polygon, pairs: &[Pair], levels: &[Level], watch: &mut Watch<'_>) -> Conditioning {
     let mut all = Conditioning::default();
     for (pair, materials) in pairs.iter().enumerate() {

@@ -26,17 +26,18 @@ pub struct Point {
     pub cells: [usize; 2],
     /// Displacement unknowns of the body.
     pub dofs: usize,
-    /// Those on its outer boundary; the medium has as many.
+    /// Displacement unknowns on its outer boundary; the medium has as many.
     pub trace: usize,
     /// Error of the body in the energy norm ((force length/thickness)^½).
     pub error: f64,
-    /// Energy norm of the exact field (the same).
+    /// Energy norm of the exact field, same unit.
     pub norm: f64,
-    /// Error of the medium's traction to its mean on each element, in the norm of the single layer (the same).
+    /// Error of the medium's traction against the exact mean on each element, in the norm of the single layer, same
+    /// unit.
     pub traction: f64,
-    /// r of error ~ h^r from the grid before; NaN of the first.
+    /// r of error ~ h^r from the grid before; NaN for the first.
     pub rate: f64,
-    /// The same of the traction.
+    /// The same rate of the traction error.
     pub traction_rate: f64,
     /// Wall seconds: assembly, elimination, solution.
     pub seconds: f64,
@@ -70,8 +71,8 @@ impl Convergence {
     }
 }
 
-/// Solves with all pairs, forms and grids; the last pair `repeat` times, of which its seconds are medians, the others once.
-/// After a wish to stop nothing more is solved.
+/// Solves with all pairs, forms and grids: the last pair `repeat` times, with medians of the seconds, the others once.
+/// After a request to stop nothing more is solved.
 pub fn convergence(
     polygon: &Polygon,
     pairs: &[Pair],

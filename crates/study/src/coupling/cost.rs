@@ -1,4 +1,4 @@
-//! Elimination down to the interface beside one sparse matrix with the dense block of the medium in it.
+//! Elimination down to the interface, compared with one sparse matrix that contains the dense block of the medium.
 
 use std::time::Instant;
 
@@ -34,13 +34,13 @@ pub struct Cost {
     pub cells: [usize; 2],
     /// Displacement unknowns of the body.
     pub dofs: usize,
-    /// Those on its outer boundary.
+    /// Displacement unknowns on its outer boundary.
     pub trace: usize,
-    /// Wall seconds by way, from the matrices of body and boundary elements to the displacements; S is computed by each.
+    /// Wall seconds by way, from the matrices of body and boundary elements to the displacements; each way computes S.
     pub seconds: [f64; 3],
     /// Wall seconds of S alone.
     pub steklov: f64,
-    /// Entries by way: of the sparse factor, and three dense matrices of the interface for the elimination.
+    /// Entries by way: of the sparse factor, for the elimination with three dense matrices of the interface.
     pub entries: [f64; 3],
     /// Largest difference of the displacements over the largest one.
     pub difference: f64,
@@ -65,8 +65,8 @@ pub(super) const COSTS: [Column<Cost>; 12] = [
 /// Costs by grid.
 pub type Costs = Found<Cost>;
 
-/// Solves one pair on all grids, each way `repeat` times. After a wish to stop nothing more is
-/// solved. Solutions that differ by more than 1e-10 are a failure.
+/// Solves one pair on all grids, each way `repeat` times. After a request to stop nothing more is solved. Solutions
+/// that differ by more than 1e-10 are a failure.
 pub fn costs(polygon: &Polygon, pair: &Pair, levels: &[Level], repeat: usize, watch: &mut Watch<'_>) -> Costs {
     let mut all = Costs::default();
     let exact = Manufactured::new(polygon, pair);
@@ -77,7 +77,7 @@ pub fn costs(polygon: &Polygon, pair: &Pair, levels: &[Level], repeat: usize, wa
         let at = format!("cost, {} by {} cells", level.grid.cells[0], level.grid.cells[1]);
         watch.tell("cost", &at);
         let found = cost(&exact, level, repeat.max(1));
-        // a NaN is no agreement
+        // a NaN counts as a difference
         if let Some(apart) = found.as_ref().ok().map(|c| c.difference).filter(|d| d.is_nan() || *d > SAME) {
             all.failures.push((at.clone(), format!("the solutions differ by {apart:.1e} of the largest")));
         }
@@ -124,7 +124,7 @@ fn cost(exact: &Manufactured<'_>, level: &Level, repeat: usize) -> Result<Cost, 
     })
 }
 
-/// The unknowns in the order of elimination of the body, those of the boundary last.
+/// The unknowns in the order of elimination of the body, with the boundary unknowns last.
 fn boundary_last(interior: &Interior) -> Vec<usize> {
     let mut on_boundary = vec![false; interior.load.len()];
     interior.trace.unknowns.iter().for_each(|&u| on_boundary[u] = true);
@@ -132,7 +132,8 @@ fn boundary_last(interior: &Interior) -> Vec<usize> {
     inside.chain(interior.trace.unknowns.iter().copied()).collect()
 }
 
-/// (A + Pᵀ S P) u = F + Pᵀ S u0 as one sparse system; the displacements and the number of entries of its factor.
+/// (A + Pᵀ S P) u = F + Pᵀ S u0 as one sparse system; returns the displacements and the number of entries of its
+/// factor.
 fn inserted(
     interior: &Interior,
     s: &Mat<f64>,

@@ -1,4 +1,4 @@
-//! How far one solution of body and medium is from another, in the norms of body, displacement and traction.
+//! Distance of two solutions of body and medium, in the norms of body, displacement and traction.
 
 use steklov_coupling::Medium;
 use steklov_elastic::plane::{cross, dot, minus};
@@ -8,13 +8,13 @@ use steklov_model::solve::medium::Around;
 
 use crate::quadratic;
 
-/// A solution on a grid against which others are measured: those on coarse cells of the grid, and on grids that are nested in it.
+/// A reference solution on a grid, for solutions on coarse cells of the grid and on nested coarser grids.
 pub(super) struct Truth {
     pub solved: GridSolved,
     medium: Medium,
 }
 
-/// Largest distance of a point from the element that it is on, over the length of the element.
+/// Largest distance of a point on an element from the element, over its length.
 const SAME_PLACE: f64 = 1e-6;
 
 /// The medium of a solution.
@@ -27,7 +27,7 @@ impl Truth {
     /// Assembles the operators of its medium, whose boundary elements have degree 1.
     ///
     /// # Errors
-    /// Those of [`Medium::new`].
+    /// As [`Medium::new`].
     pub fn new(solved: GridSolved) -> Result<Self, SolveError> {
         let Around { mesh, material, length, .. } = around(&solved);
         let medium = Medium::new(mesh.clone(), *material, Some(*length))?;
@@ -57,7 +57,7 @@ impl Truth {
         [body.energy(&inside, &inside), quadratic(&operators.w, &displacement), quadratic(&operators.v, &traction)]
     }
 
-    /// ξ and φ of other boundary elements, less those of this solution.
+    /// ξ and φ of other boundary elements minus ξ and φ of this solution.
     fn on_interface(&self, other: &Around) -> [Vec<f64>; 2] {
         let Medium { mesh, space, .. } = &self.medium;
         let own = around(&self.solved);
@@ -116,8 +116,8 @@ coarse = [4, 4]
 fine = [4, 4]
 "#;
 
-    /// On the same boundary elements the coarse functions are some of the fine ones and S is the same: the three squares are what J is
-    /// above its least value. With coarser boundary elements they are not.
+    /// On the same boundary elements the coarse functions are a subspace of the fine ones and S is the same, so the sum
+    /// of the three squares is twice the difference of J to its minimum. With coarser boundary elements it is not.
     #[test]
     fn the_squares_are_twice_the_difference_of_the_energies() {
         let (scene, run) = (steklov_document::parse(INCLUSION, "inclusion", &[]).unwrap(), &AtomicUsize::new(0));
@@ -138,7 +138,8 @@ fine = [4, 4]
         assert!(((inside + outside) / truth.norm().powi(2) - 1.0).abs() < 1e-9, "{inside} {outside} {}", truth.norm());
     }
 
-    /// A solution of a coarser grid is a field of the finer one: its distance from there is that of the energies, as nested grids have.
+    /// A solution on a coarser grid is a field of the finer grid: its distance follows from the energies, because the
+    /// grids are nested.
     #[test]
     fn coarser_grids_are_nested() {
         let run = &AtomicUsize::new(0);

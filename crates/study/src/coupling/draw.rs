@@ -92,7 +92,7 @@ fn effectivities(study: &CouplingStudy<'_>, all: &mut Pictures<'_>) -> Result<()
     draw(study, all, "effectivity-terms", labels, by_term)?;
     let [x, y] = indicated.contrasts.first().map_or([0; 2], |i| i.cells);
     let over = |name: &str, value: &dyn Fn(&Indicated) -> f64| {
-        // two fields have no equation with W
+        // the two-field form has no equation with W
         let finite = |form| known(indicated.over_contrast(form).map(|i| [i.contrast, value(i)]));
         Line::new(name, [0, 1].map(finite))
     };
@@ -129,7 +129,7 @@ fn conditions(study: &CouplingStudy<'_>, all: &mut Pictures<'_>) -> Result<(), P
     let condition = |pair| {
         let points = || study.conditioning.of(pair);
         let three = points().map(|c| [across(c.cells), c.three]).collect();
-        // what is 0 or nearly 0 is seen at the lower end of the band
+        // values that are 0 or nearly 0 are drawn at the lower end of the band
         vec![three, points().map(|c| [across(c.cells), c.two.max(ROUNDING[0])]).collect()]
     };
     let quantities = &["three motions removed", "translations only"];

@@ -1,4 +1,4 @@
-//! The residual indicators of the coupling against the error: term by term, on finer grids and over the contrast.
+//! Ratio of the residual indicators of the coupling to the error: term by term, on finer grids and over the contrast.
 
 use steklov_bem_operators::Polygon;
 use steklov_coupling::{
@@ -42,7 +42,7 @@ pub struct Indicated {
     pub cells: [usize; 2],
     /// Root of the sum of the squared errors of the body, energy norm, and of the traction, norm of V ((force length/thickness)^½).
     pub error: f64,
-    /// Root of the sum of each term over the error; NaN of a term that the form does not have.
+    /// Root of the sum of each term over the error; NaN for a term that the form does not have.
     pub terms: [f64; 5],
     /// Root of the sum of all terms over the error.
     pub whole: f64,
@@ -71,7 +71,7 @@ pub struct Effectivity {
     pub grids: Vec<Indicated>,
     /// Effectivities by contrast and form.
     pub contrasts: Vec<Indicated>,
-    /// What failed, and why.
+    /// The failures, each with its reason.
     pub failures: Vec<(String, String)>,
 }
 
@@ -87,8 +87,8 @@ impl Effectivity {
     }
 }
 
-/// Estimates the errors of all pairs on all grids, and of the last pair at all contrasts on the last grid but one. After
-/// a wish to stop nothing more is solved.
+/// Estimates the errors of all pairs on all grids, and of the last pair at all contrasts on the last grid but one.
+/// After a request to stop nothing more is solved.
 pub fn effectivity(polygon: &Polygon, pairs: &[Pair], levels: &[Level], watch: &mut Watch<'_>) -> Effectivity {
     let mut all = Effectivity::default();
     let mut estimate = |number: usize, pair: &Pair, level: &Level, failures: &mut Vec<(String, String)>| {

@@ -8,13 +8,13 @@ use steklov_problem::{DataError, DataErrorKind, GridInput, Method, Scene, check_
 use super::manufactured::Pair;
 use crate::settings::Setting;
 
-/// Fewer cells than this along the shorter side of the body are no grid of the study.
+/// Smallest number of cells of a grid along the shorter side of the body.
 pub(super) const FEWEST: usize = 4;
 
-/// Most unknowns of a body, where the scene sets no other number.
+/// Largest number of unknowns of a body, if the scene sets no other limit.
 const MOST_DOFS: usize = 100_000;
 
-/// Most unknowns on the boundary of grids: for errors, for eigenvalues, for indicators, for costs.
+/// Largest numbers of unknowns on the boundary of grids: for errors, for eigenvalues, for indicators, for costs.
 const TRACE: [usize; 4] = [1100, 560, 280, usize::MAX];
 
 /// Three pairs that every study has: E and ν of the body and of the medium, plane strain.
@@ -51,18 +51,18 @@ pub fn pairs(scene: &Scene) -> Result<Vec<Pair>, DataError> {
     });
     let name =
         format!("scene ({}, {} | {}, {})", rounded(body.young), body.poisson, rounded(medium.young), medium.poisson);
-    // strains as large as in the body
+    // the strains are as large as in the body
     let own = Pair { name, body, medium, force: [4.0 * medium.young, 2.5 * medium.young] };
     Ok(given.into_iter().chain([own]).collect())
 }
 
-/// A modulus as a name shows it.
+/// A modulus as part of a name.
 fn rounded(young: f64) -> String {
     steklov_picture::short(young, 3)
 }
 
-/// The coarsest grid of the body: the scene's fine cells, joined two by two along x and y as often as the body is made of such
-/// cells, and no fewer than four of them along its shorter side.
+/// The coarsest grid of the body: the scene's fine cells, joined two by two along x and y as long as the body consists
+/// of such cells and has at least four of them along its shorter side.
 ///
 /// # Errors
 /// As [`grid_of`].
@@ -78,8 +78,8 @@ pub fn coarsest(scene: &Scene) -> Result<[usize; 2], DataError> {
     }
 }
 
-/// The largest whole multiple of the coarsest grid that has at most `most_dofs` unknowns, even if its whole bounding
-/// box were body; none unless it has more than `dofs`.
+/// The largest whole multiple of the coarsest grid that has at most `most_dofs` unknowns, counted on the whole bounding
+/// box; None unless it has more than `dofs`.
 ///
 /// # Errors
 /// As [`grid_of`].
@@ -91,8 +91,8 @@ pub fn largest(scene: &Scene, most_dofs: usize, dofs: usize) -> Result<Option<Le
     Ok(found.filter(|level| level.grid.dofs() > dofs))
 }
 
-/// The settings of the study: a limit of unknowns where neither the scene nor the user sets another. `method` is that of the
-/// scene, overrides included.
+/// The settings of the study: a limit of unknowns, if neither the scene nor the user sets another. `method` is the
+/// method of the scene, overrides included.
 pub fn settings(method: &Method) -> Vec<Setting> {
     if method.max_dofs.is_some() { Vec::new() } else { vec![Setting::MaxDofs(MOST_DOFS)] }
 }
@@ -116,15 +116,15 @@ pub fn grids(scene: &Scene) -> Result<[Vec<Level>; 4], DataError> {
 pub struct Level {
     /// The cells.
     pub grid: Grid,
-    /// Displacement unknowns on its outer boundary.
+    /// Displacement unknowns on the outer boundary.
     pub trace: usize,
 }
 
-/// The coarsest grid and those with 2, 4, 8 ... times as many cells along x and y, with no more unknowns than these in the body
-/// and on its boundary.
+/// The coarsest grid and those with 2, 4, 8 ... times as many cells along x and y, with at most `most_dofs` unknowns in
+/// the body and `most_trace` on its boundary.
 ///
 /// # Errors
-/// A body that fits no such grid; one whose coarsest grid has more unknowns.
+/// A body that fits no such grid, or whose coarsest grid has more unknowns.
 pub fn levels(scene: &Scene, most_dofs: usize, most_trace: usize) -> Result<Vec<Level>, DataError> {
     let first = coarsest(scene)?;
     let mut levels = Vec::new();

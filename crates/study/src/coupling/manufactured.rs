@@ -1,4 +1,5 @@
-//! Transmission problems with known solutions: a smooth field in the body, two opposite forces for the medium around it.
+//! Transmission problems with known solutions: a smooth field in the body, and the field of two opposite forces in the
+//! medium around it.
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -33,9 +34,9 @@ pub struct Pair {
 
 /// A pair and its solution on a body.
 ///
-/// With X = (x - c)/D, c the point of the body that is deepest in it and D the longer side of its bounding box, the field of the
-/// body is u = D (sin(X₁ + 2 X₂), X₁² X₂ - X₂²/2); that of the medium belongs to two opposite forces in the body, which leave
-/// no resultant. Body force and jumps follow from them.
+/// With X = (x - c)/D, c the deepest point of the body and D the longer side of its bounding box, the field of the body
+/// is u = D (sin(X₁ + 2 X₂), X₁² X₂ - X₂²/2); the field of the medium is that of two opposite forces inside the body,
+/// without a resultant. Body force and jumps follow from them.
 #[derive(Debug, Clone)]
 pub struct Manufactured<'a> {
     /// The materials.
@@ -55,8 +56,7 @@ pub struct Problem {
     pub loads: Loads,
 }
 
-/// Distance of a point from a segment. The point that is deepest in a polygon, or the middle one of those that are equally
-/// deep, and its depth.
+/// The deepest point in a polygon, of equally deep points the one nearest to the middle, and its depth.
 fn deepest(polygon: &Polygon, low: [f64; 2], size: [f64; 2]) -> ([f64; 2], f64) {
     let mut best = ([f64::NAN; 2], 0.0, f64::NEG_INFINITY);
     for (i, j) in (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| (i, j))) {
@@ -156,7 +156,7 @@ impl<'a> Manufactured<'a> {
     /// The body on a grid, with its loads; sides of holes are loaded by the traction of its field.
     ///
     /// # Errors
-    /// Those of the grid.
+    /// The errors of the grid.
     pub fn problem(&self, grid: &Grid) -> Result<Problem, CouplingError> {
         let elasticity = Elasticity::new(self.pair.body.poisson, self.pair.body.plane)?;
         let count = grid.cells[0] * grid.cells[1];
@@ -187,15 +187,16 @@ impl<'a> Manufactured<'a> {
     /// Boundary elements of degree 1 between the nodes of the boundary; L is the size of the body.
     ///
     /// # Errors
-    /// Those of the boundary elements.
+    /// The errors of the boundary elements.
     pub fn exterior(&self, interior: &Interior) -> Result<Medium, CouplingError> {
         Medium::new(interior.trace.mesh(1, 1)?, self.pair.medium, Some(self.size))
     }
 
-    /// ⟨C ε(e), ε(e)⟩^½ of the error in the body and of the field itself, by 3 × 3 points a cell ((force length/thickness)^½).
+    /// ⟨C ε(e), ε(e)⟩^½ of the error in the body and of the field itself, by 3 × 3 points per cell ((force
+    /// length/thickness)^½).
     pub fn energy_error(&self, body: &HeterogeneousBody, u: &[f64]) -> [f64; 2] {
         let (rule, m, grid) = (gauss_legendre(3), &self.pair.body, &body.grid);
-        // σ : C⁻¹ σ in the equivalent plane strain
+        // σ : C⁻¹ σ, in equivalent plane strain
         let density = |[xx, yy, xy]: [f64; 3]| {
             ((xx * xx + yy * yy + 2.0 * xy * xy) - m.nu() * (xx + yy).powi(2)) / (2.0 * m.mu())
         };

@@ -8,7 +8,7 @@
 //!
 //! The scene's own moduli and loads: OwnLoads (multiscale and bilinear elements over H and h) ─► CouplingStudy
 //! ```
-//! Each part is a file: what it computes, and the columns of its table.
+//! Each part is a file with its computation and the columns of its table.
 
 mod distance;
 mod manufactured;
@@ -96,7 +96,7 @@ impl CouplingStudy<'_> {
         !self.interrupted && self.failures().next().is_none()
     }
 
-    /// What failed, and why.
+    /// The failures, each with its reason.
     fn failures(&self) -> impl Iterator<Item = &(String, String)> {
         let errors = self.convergence.failures.iter().chain(&self.effectivity.failures);
         errors

@@ -2,9 +2,10 @@
 //! grid, and both kinds of elements over the size h of the fine cells.
 //!
 //! With u in the body, ξ and φ the displacement and traction of the medium, the error is that of the estimates of
-//! Theorems 5.5 and 5.6: (a(e_u, e_u) + ⟨W e_ξ, e_ξ⟩ + ⟨V e_φ, e_φ⟩)^½. Boundary elements have degree 1 and the points of the body's
-//! trace as vertices. Multiscale elements are measured against bilinear ones on the same fine grid, those against the limit of fine
-//! grids: against the finest one, whose own squared error is extrapolated from three grids and added; with fewer nothing is added.
+//! Theorems 5.5 and 5.6: (a(e_u, e_u) + ⟨W e_ξ, e_ξ⟩ + ⟨V e_φ, e_φ⟩)^½. Boundary elements have degree 1 and the points
+//! of the body's trace as vertices. The errors of multiscale elements refer to bilinear elements on the same fine grid.
+//! The errors of bilinear elements refer to the limit of fine grids: to the finest grid, whose own squared error is
+//! extrapolated from three grids and added; with fewer grids nothing is added.
 
 use steklov_model::error::SolveError;
 use steklov_model::grid::GridSolved;
@@ -17,7 +18,7 @@ use crate::multiscale::{BASES, on_all_cells, on_coarse_cells};
 use crate::table::Column;
 use crate::watch::Watch;
 
-/// The elements of the body and their names: bilinear ones on all fine cells, and the bases that conform.
+/// The elements of the body and their names: bilinear elements on all fine cells, and the conforming bases.
 pub const ELEMENTS: [(&str, Option<BasisInput>); 5] = [
     ("bilinear", None),
     (BASES[0].0, Some(BASES[0].1)),
@@ -25,9 +26,9 @@ pub const ELEMENTS: [(&str, Option<BasisInput>); 5] = [
     (BASES[2].0, Some(BASES[2].1)),
     (BASES[3].0, Some(BASES[3].1)),
 ];
-/// Strain energy over E u² that rounding may leave of a rigid motion u.
+/// Strain energy over E u² that rounding may give a rigid motion u.
 const ROUNDED: f64 = 1e-12;
-/// The one that is solved on all fine grids.
+/// The elements that are solved on all fine grids.
 const COUPLED: usize = 3;
 
 /// One kind of elements on one grid.
@@ -37,7 +38,7 @@ pub struct Own {
     pub over: usize,
     /// Number in [`ELEMENTS`].
     pub elements: usize,
-    /// Coarse cells along x and y, over the bounding box; the fine ones of bilinear elements.
+    /// Coarse cells along x and y, over the bounding box; for bilinear elements the fine cells.
     pub coarse: [usize; 2],
     /// Fine cells along x and y.
     pub cells: [usize; 2],
@@ -45,19 +46,19 @@ pub struct Own {
     pub width: f64,
     /// Displacement unknowns of the body.
     pub dofs: usize,
-    /// Those on the interface.
+    /// Displacement unknowns on the interface.
     pub trace: usize,
     /// Errors of the body (energy norm), of ξ (W) and of φ (V), relative to all three norms of the solution together.
     pub errors: [f64; 3],
-    /// All three against the limit of fine grids; NaN where fewer than three grids determine it.
+    /// All three against the limit of fine grids; NaN with fewer than three grids.
     pub total: f64,
-    /// r of error ~ width^r from the grid before; NaN of the first.
+    /// r of error ~ width^r from the grid before; NaN for the first.
     pub rate: f64,
-    /// The error that [`GridSolved::estimate`] estimates, over the same norm.
+    /// The estimate of [`GridSolved::estimate`], over the same norm.
     pub estimate: f64,
-    /// The residual estimator; NaN of bases that do not solve the equations inside of coarse cells.
+    /// The residual estimator; NaN for bases that do not solve the equations inside coarse cells.
     pub residual: f64,
-    /// Wall seconds of one run without those of the estimate.
+    /// Wall seconds of one run without the estimate.
     pub seconds: f64,
 }
 
@@ -111,7 +112,7 @@ pub struct OwnLoads {
     pub points: Vec<Own>,
     /// (2 strain energy)^½ of the finest grid, to which all errors are relative; 0 without a solution.
     pub norm: f64,
-    /// What failed, and why.
+    /// The failures, each with its reason.
     pub failures: Vec<(String, String)>,
 }
 
@@ -122,7 +123,7 @@ impl OwnLoads {
     }
 }
 
-/// The scene on a grid of single cells, its boundary elements those of the trace.
+/// The scene on a grid of single cells, with the boundary elements of the trace.
 fn on_cells(scene: &Scene, cells: [usize; 2]) -> Scene {
     let mut scene = scene.clone();
     scene.body_mut().grid = scene.body().grid.map(|grid| GridInput { coarse: cells, fine: [1, 1], ..grid });
@@ -130,8 +131,9 @@ fn on_cells(scene: &Scene, cells: [usize; 2]) -> Scene {
     scene
 }
 
-/// Solves bilinear elements on all grids that the moduli fit, the coupled basis on the scene's coarse cells of each, and all bases on
-/// coarse cells of the scene's own fine grid, or of the finest one. Nothing where the loads strain nothing. After a wish to stop nothing more is solved.
+/// Solves bilinear elements on all grids that the moduli fit, the coupled basis on the scene's coarse cells of each
+/// grid, and all bases on coarse cells of the scene's own fine grid, or of the finest one. No points if the loads cause
+/// no strain. After a request to stop nothing more is solved.
 pub fn own_loads(scene: &Scene, levels: &[Level], watch: &mut Watch<'_>) -> OwnLoads {
     let mut all = OwnLoads::default();
     let fits = |level: &&Level| on_cells(scene, level.grid.cells).check().is_ok();
@@ -145,7 +147,7 @@ pub fn own_loads(scene: &Scene, levels: &[Level], watch: &mut Watch<'_>) -> OwnL
     all
 }
 
-/// A point, its squared errors and those against the finest grid.
+/// A point, its squared errors, and its squared errors against the finest grid.
 struct Found {
     point: Own,
     squared: [f64; 3],
@@ -208,7 +210,8 @@ fn measured(scene: &Scene, grids: &[[usize; 2]], watch: &mut Watch<'_>, all: &mu
     Ok(())
 }
 
-/// Fine cells along x and y of coarse cells: 2, 4, 8 ..., as long as these are cells of the body and some along its shorter side.
+/// Fine cells of a coarse cell along x and y: 2, 4, 8 ..., as long as the body consists of such coarse cells and has
+/// enough of them along its shorter side.
 fn sizes(scene: &Scene, cells: [usize; 2]) -> Vec<usize> {
     let fits = |m: &usize| {
         let coarse = cells.map(|n| n / m);
@@ -219,7 +222,7 @@ fn sizes(scene: &Scene, cells: [usize; 2]) -> Vec<usize> {
     (1..12).map(|k| 1 << k).take_while(fits).collect()
 }
 
-/// Whether nothing is strained but by rounding, as by a jump that is a constant: errors are relative to the strain energy.
+/// Whether all strain is rounding, as with a constant jump: errors relative to the strain energy then have no meaning.
 fn is_at_rest(solved: &GridSolved) -> bool {
     let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let young = largest(&solved.body.young).max(around(solved).material.young);
@@ -234,13 +237,13 @@ fn converged(solved: GridSolved) -> Result<GridSolved, SolveError> {
     }
 }
 
-/// The numbers of a solution that are known before its error.
+/// The numbers of a solution without its errors.
 fn point(solved: &GridSolved, (over, elements): (usize, usize), coarse: [usize; 2], norm: f64) -> Own {
     let (grid, estimate) = (&solved.body.grid, solved.estimate.as_ref());
     let cells = if over == 0 { coarse } else { grid.cells };
     let side = |k: usize| grid.spacing[k] * grid.cells[k] as f64 / cells[k] as f64;
     let is_coarse = solved.coarse.is_some();
-    // against the same fine grid its own error does not count
+    // against the same fine grid, the error of the grid itself does not count
     let told = estimate.map(|e| if is_coarse { (e.multiscale + e.medium).sqrt() } else { e.error });
     let residual = estimate.and_then(|e| e.estimators().coupling).map(|r| r.value);
     let s = &solved.seconds;
@@ -261,7 +264,7 @@ fn point(solved: &GridSolved, (over, elements): (usize, usize), coarse: [usize; 
     }
 }
 
-/// The points with their errors, those to the finest grid brought to the limit of fine grids.
+/// The points with their errors; errors against the finest grid are extended to the limit of fine grids.
 fn relative(found: &[Found], norm: f64) -> Vec<Own> {
     let bilinear: Vec<&Found> = found.iter().filter(|f| f.point.elements == 0).collect();
     let beyond = match bilinear[..] {
@@ -276,13 +279,13 @@ fn relative(found: &[Found], norm: f64) -> Vec<Own> {
         let total = if beyond[0].is_some() { root(to_limit.iter().sum()) } else { f64::NAN };
         Own { errors: errors.map(root), total, ..f.point }
     };
-    // this alone is known of the finest grid
+    // the error of the finest grid is known only by extrapolation
     let is_known = |f: &&Found| f.point.elements > 0 || f.to_finest != [0.0; 3] || beyond.iter().any(Option::is_some);
     found.iter().filter(is_known).map(one).collect()
 }
 
-/// The squared error of a grid by the squared distances to it of the solutions on cells four times and twice as wide: e² ~ h^r, and
-/// distance² = e² - (its own e²). None where distances do not fall.
+/// The squared error of a grid, from the squared distances to it of the solutions on cells four times and twice as
+/// wide: e² ~ h^r, and distance² = e² - (its own e²). None if the distances do not fall fast enough.
 fn beyond(quarter: f64, half: f64) -> Option<f64> {
     let factor = quarter / half - 1.0;
     // below that the widths do not determine a power

@@ -86,7 +86,7 @@ const NAME: usize = 32;
 fn cell(value: f64, width: usize, decimals: usize) -> String {
     number(value, |v| {
         let plain = format!("{v:.decimals$}");
-        // so that small errors differ from none, and columns keep their width
+        // small errors differ from 0, and columns keep their width
         if v != 0.0 && v.abs() < 1e-3 || plain.len() > width { format!("{v:.2e}") } else { plain }
     })
 }

@@ -1,4 +1,4 @@
-//! The systems on the interface as dense matrices, with the parts that may be changed.
+//! The systems on the interface as dense matrices, whose signs and factors may be changed.
 
 use faer::{Mat, Scale};
 use sprs::CsMat;
@@ -37,7 +37,7 @@ fn column(values: &[f64]) -> Mat<f64> {
     Mat::from_fn(values.len(), 1, |i, _| values[i])
 }
 
-/// Solves by LU, as a wrong matrix need not be definite.
+/// Solves by LU, because a wrong matrix need not be definite.
 fn solve(matrix: &Mat<f64>, right: &Mat<f64>) -> Vec<f64> {
     Lu::new(matrix.as_ref()).solve(right.as_ref()).col_as_slice(0).to_vec()
 }
@@ -67,14 +67,15 @@ impl Reduced {
         &operators.w + h.transpose() * Lu::new(operators.v.as_ref()).solve(h.as_ref())
     }
 
-    /// (A_c + S) v = f_c + S u0 with any S; the field of all nodes.
+    /// Solves (A_c + S) v = f_c + S u0 with any S; returns the field at all nodes.
     pub fn with_operator(&self, s: &Mat<f64>) -> Vec<f64> {
         let right = column(&self.load.kept) + s * column(&self.jump);
         self.elimination.expand(&self.load, &solve(&(&self.stiffness + s), &right))
     }
 
-    /// The matrix of the three-field form with a factor before W and the first `motions` of two translations and the rotation
-    /// removed. Tractions are counted in E/L, L the size of the body, and forces in E of the medium: no unit is left.
+    /// The matrix of the three-field form with a factor before W and the first `motions` of two translations and the
+    /// rotation removed. Tractions are in units of E/L, L the size of the body, and forces in units of E of the medium,
+    /// so that the matrix has no unit.
     pub fn three_field(&self, factor: f64, motions: usize) -> Mat<f64> {
         let operators = &self.exterior.operators;
         let (young, length, n) = (self.exterior.material.young, operators.length, self.jump.len());
@@ -104,7 +105,7 @@ impl Reduced {
         matrix
     }
 
-    /// Solves the three-field form with a factor before W; the field of all nodes.
+    /// Solves the three-field form with a factor before W; returns the field at all nodes.
     pub fn by_three_fields(&self, factor: f64) -> Vec<f64> {
         let (young, length, n) = (self.exterior.material.young, self.exterior.operators.length, self.jump.len());
         let mut right: Vec<f64> = self.load.kept.iter().map(|f| f / young).collect();

@@ -1,4 +1,4 @@
-//! Signs and factors from the literature that do not converge, beside those that do.
+//! Systems with signs and factors from the literature that do not converge, and the systems that do.
 
 use faer::Scale;
 use steklov_bem_operators::Polygon;
@@ -48,7 +48,7 @@ impl Wrongs {
     }
 }
 
-/// Solves one pair by all systems on all grids. After a wish to stop nothing more is solved.
+/// Solves one pair by all systems on all grids. After a request to stop nothing more is solved.
 pub fn wrongs(polygon: &Polygon, pair: &Pair, levels: &[Level], watch: &mut Watch<'_>) -> Wrongs {
     let mut all = Wrongs::default();
     let exact = Manufactured::new(polygon, pair);

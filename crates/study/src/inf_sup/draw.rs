@@ -41,7 +41,7 @@ pub fn pictures(study: &InfSup<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pictu
     Ok(all.files)
 }
 
-/// β of all pairs at the points that have an abscissa.
+/// β of all pairs, at the points with an abscissa.
 fn constants(study: &InfSup<'_>, x: impl Fn(&Point) -> Option<f64>) -> Vec<Line> {
     let of = |pair: usize, value: fn(&Point) -> f64| -> Vec<[f64; 2]> {
         study.of_pair(pair).filter_map(|p| Some([x(p)?, value(p)])).collect()

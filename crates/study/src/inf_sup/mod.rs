@@ -1,4 +1,4 @@
-//! Multipliers of contact and their displacements: which pairs are stable, which need stabilisation, which are stabilised.
+//! Multipliers of contact and their displacements: stable pairs, pairs that need stabilisation, and stabilised pairs.
 //!
 //! ```text
 //! settings ─► pairs (β over elements and degree), pressures (with γ and without) ─► InfSup ─► report, draw
@@ -41,7 +41,7 @@ pub struct InfSup<'a> {
     pub interrupted: bool,
 }
 
-/// Whether a scene can be studied.
+/// Checks that a scene can be studied.
 ///
 /// # Errors
 /// A scene without contact.

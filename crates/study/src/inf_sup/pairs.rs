@@ -3,9 +3,9 @@
 //! ```text
 //! β² = min_μ  μᵀ G μ / μᵀ G' μ,    G = B S⁻¹ Bᵀ, or with stabilisation E (S - B_γ)⁻¹ Eᵀ + D
 //! ```
-//! G' = B S⁻¹ Bᵀ of displacements on every element in four parts, three degrees higher: the norm of μ, which is that of
-//! H^-1/2 in the energy of the body. Biorthogonal and continuous multipliers are given by their values T at the nodes of the
-//! discontinuous ones: Tᵀ G T.
+//! G' = B S⁻¹ Bᵀ of displacements on every element in four parts, three degrees higher: the norm of μ, the H^-1/2 norm
+//! in the energy of the body. Biorthogonal and continuous multipliers have the values T at the nodes of the
+//! discontinuous ones, and the form Tᵀ G T.
 
 use faer::Mat;
 use steklov_bem_operators::Mesh;
@@ -22,7 +22,7 @@ use crate::supported::{Supported, contact_sides, each, uniform_mesh};
 use crate::table::Column;
 use crate::watch::Watch;
 
-/// Which multipliers of W_Hq a pair has.
+/// The multipliers of W_Hq in a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// All.
@@ -33,7 +33,7 @@ pub enum Part {
     Continuous,
 }
 
-/// A pair: displacements of degree p, and these multipliers.
+/// A pair: displacements of degree p, and multipliers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
     /// Name of the multipliers.
@@ -42,7 +42,7 @@ pub struct Pair {
     pub mesh: MultiplierMesh,
     /// Their degree.
     pub degree: MultiplierDegree,
-    /// Which of them.
+    /// The multipliers of that mesh and degree in the pair.
     pub part: Part,
 }
 
@@ -86,11 +86,11 @@ pub struct Point {
     pub dofs: usize,
     /// Multiplier unknowns.
     pub multipliers: usize,
-    /// β without stabilisation; NaN if it is not known.
+    /// β without stabilisation; NaN if unknown.
     pub plain: f64,
-    /// β with it.
+    /// β with stabilisation.
     pub stabilised: f64,
-    /// Why one of them is not known.
+    /// Why one of both is unknown.
     pub failure: Option<String>,
 }
 
@@ -104,8 +104,8 @@ pub(super) const POINTS: [Column<Point>; 6] = [
     ("beta_stabilised", "1", "inf-sup constant with γ₀ half of the critical one", |p| p.stabilised),
 ];
 
-/// β of all pairs on a few uniform meshes. Meshes with more unknowns than the scene or a quick study allows are left out.
-/// After a wish to stop no more meshes are done.
+/// β of all pairs on a few uniform meshes. Meshes with more unknowns than the scene or a quick study allows are left
+/// out. After a request to stop no more meshes are done.
 ///
 /// # Errors
 /// Prescribed displacements or data of contact that are not finite, operators that cannot be made.

@@ -1,5 +1,5 @@
-//! The pressure of an unstable pair, with stabilisation and with next to none: λ is then determined only up to parts that no
-//! displacement sees, and oscillates.
+//! The pressure of an unstable pair, with stabilisation and with almost none. Without it λ is determined only up to
+//! parts that do no work on any displacement, and oscillates.
 
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
@@ -15,9 +15,9 @@ use crate::watch::Watch;
 /// The mesh: the first of these multiples of the scene's number of elements that the scene allows, and its degree.
 const TIMES: [usize; 3] = [4, 2, 1];
 const DEGREE: usize = 2;
-/// Largest number of its unknowns.
+/// Largest number of unknowns of the mesh.
 const DOFS: usize = 400;
-/// γ₀ over its critical value where there should be none.
+/// γ₀ over its critical value, in place of no stabilisation.
 const NONE: f64 = 1e-5;
 
 /// A solution of the scene with multipliers of degree p on halved elements.
@@ -25,13 +25,13 @@ const NONE: f64 = 1e-5;
 pub struct Pressure {
     /// γ₀ (1/stress).
     pub gamma: f64,
-    /// The critical one of this mesh.
+    /// The critical γ₀ of this mesh.
     pub critical: f64,
     /// Whether the solver of contact reached its criterion.
     pub converged: bool,
     /// Contact at the nodes of the multipliers; empty if there is no solution.
     pub rows: Vec<ContactRow>,
-    /// Why there is none.
+    /// Why there is no solution.
     pub failure: Option<String>,
 }
 
@@ -42,7 +42,7 @@ pub struct Pressures {
     pub elements: usize,
     /// Their degree.
     pub degree: usize,
-    /// The solution with the scene's γ, then that with next to none; fewer after a wish to stop.
+    /// The solution with the scene's γ, then the one with almost none; fewer after a request to stop.
     pub solutions: Vec<Pressure>,
 }
 
@@ -69,11 +69,12 @@ pub(super) const ROWS: [Column<ContactRow>; 6] = [
     ("weight", "length", "length that the node stands for", |r| r.weight),
 ];
 
-/// Solves the scene with multipliers that are too many for its displacements; no solutions where the mesh has too many
-/// unknowns for that. Coulomb friction is left out. After a wish to stop nothing more is solved.
+/// Solves the scene with too many multipliers for its displacements; no solutions if the mesh has too many unknowns.
+/// Coulomb friction is left out. After a request to stop nothing more is solved.
 ///
 /// # Errors
-/// As [`solve`] with the scene's own γ; failures with next to none or for want of Coulomb friction are reported in their place.
+/// As [`solve`] with the scene's own γ; failures with almost no γ or because Coulomb friction is left out are reported
+/// in their place.
 pub fn pressures(scene: &Scene, watch: &mut Watch<'_>) -> Result<Pressures, SolveError> {
     let dofs = |times: &usize| 2 * DEGREE * uniform_mesh(scene, *times, DEGREE).len();
     let fitting = TIMES.into_iter().find(|t| dofs(t) <= scene.method.max_dofs().min(DOFS));
@@ -82,7 +83,7 @@ pub fn pressures(scene: &Scene, watch: &mut Watch<'_>) -> Result<Pressures, Solv
     scene.method.multiplier = Multiplier::Stabilised;
     (scene.method.multiplier_mesh, scene.method.multiplier_degree) =
         (MultiplierMesh::Finer(2), MultiplierDegree::Relative(0));
-    // a bound that oscillates with the pressure leaves the solver without an end
+    // with a bound that oscillates with the pressure the solver would not converge
     let mut coulomb = false;
     for law in scene.problem.laws_mut() {
         if let Law::Contact(Contact { friction: friction @ Friction::Coulomb(_), .. }) = law {

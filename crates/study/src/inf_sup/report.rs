@@ -88,7 +88,7 @@ fn body(study: &InfSup<'_>) -> String {
     text
 }
 
-/// A line a pair and a column a mesh, of some of the points.
+/// A line for each pair and a column for each mesh, for some of the points.
 fn constants(
     text: &mut String,
     study: &InfSup<'_>,

@@ -6,8 +6,8 @@ use steklov_contact::{ContactBoundary, MultiplierSpace, multiplier_trace};
 
 use crate::supported::Supported;
 
-/// Values of the ψ̃_i of contact conditions at the nodes of W_hp, a column each: unknown 2·node along n, 2·node+1 along t.
-/// Components that a support has taken have no column.
+/// Values of the ψ̃_i of contact conditions at the nodes of W_hp, one column each: unknown 2·node along n, 2·node+1
+/// along t. A component that a support holds has no column.
 pub(super) fn biorthogonal(body: &Supported, boundary: &ContactBoundary, full: &MultiplierSpace) -> Mat<f64> {
     let Supported { mesh, space, .. } = body;
     let conditions: usize = boundary.nodes.iter().map(|n| n.conditions.len()).sum();
@@ -22,15 +22,15 @@ pub(super) fn biorthogonal(body: &Supported, boundary: &ContactBoundary, full: &
         }
         columns.push(column);
     }
-    // a held component has an unknown in name only: its condition has no weight there
+    // the condition of a held component has no weight for it
     let weights = boundary.contact.iter().flat_map(|n| &n.conditions).flat_map(|c| [c.normal_weight, c.tangent_weight]);
     let mut weights = weights.map(|w| w > 0.0);
     columns.retain(|_| weights.next() == Some(true));
     matrix(2 * full.nodes.len(), &columns)
 }
 
-/// Values of the φ_i of displacements on each straight edge at the nodes of W_hp, as in [`biorthogonal`]. Those that the
-/// supports hold are left out: as many remain as there are displacements.
+/// Values of the φ_i of displacements on each straight edge at the nodes of W_hp, as in [`biorthogonal`]. Functions
+/// that the supports hold are left out, so that as many remain as there are free displacements.
 pub(super) fn continuous(body: &Supported, full: &MultiplierSpace) -> Mat<f64> {
     let Supported { mesh, space, held, .. } = body;
     let mut unknowns: Vec<((usize, usize, usize), Vec<f64>)> = Vec::new();
@@ -143,7 +143,7 @@ displacement = ["0", "free"]
         }
     }
 
-    /// The φ_i of an edge sum up to 1; none is left that is held.
+    /// The φ_i of an edge sum up to 1; held ones are left out.
     #[test]
     fn continuous_multipliers_are_the_traces_of_displacements() {
         let scene =

@@ -1,4 +1,4 @@
-//! High contrast: where multiscale bases fail, and whether any estimate shows it.
+//! High contrast: cases in which multiscale bases fail, and whether an estimate shows it.
 //!
 //! A plate of 2 × 1 with 8 × 4 coarse cells of 16 × 16 fine ones, its left side held, a traction on its right one. Stiff parts
 //! lie inside of the coarse cells, across their edges, or as channels along them.
@@ -14,7 +14,7 @@ use super::plate::plate;
 use crate::table::Column;
 use crate::watch::{Found, Watch};
 
-/// Where the stiff parts are: positive in them.
+/// Names of the stiff parts, and expressions that are positive in them.
 pub const PARTS: [(&str, &str); 3] = [
     ("inside coarse cells", "-max(cos(8*pi*x), cos(8*pi*y))"),
     ("across coarse edges", "min(cos(8*pi*x), cos(8*pi*y))"),
@@ -22,7 +22,7 @@ pub const PARTS: [(&str, &str); 3] = [
 ];
 /// Exponents of the contrasts.
 const POWERS: std::ops::RangeInclusive<i32> = 1..=6;
-/// Fine cells along a coarse one.
+/// Fine cells along a coarse cell.
 const FINE: usize = 16;
 
 /// One basis at one contrast.
@@ -36,16 +36,16 @@ pub struct Stiff {
     pub contrast: f64,
     /// Relative error in the energy norm against bilinear elements on the same fine cells.
     pub error: f64,
-    /// Estimate by nodal residuals over the error; NaN of bases that do not conform.
+    /// Estimate by nodal residuals over the error; NaN for nonconforming bases.
     pub nodal: f64,
-    /// Estimate by jumps of tractions over the error; NaN of bases that do not conform.
+    /// Estimate by jumps of tractions over the error; NaN for nonconforming bases.
     pub jump: f64,
     /// Largest contrast along a coarse edge.
     pub crossing: f64,
 }
 
 impl Stiff {
-    /// Whether a solution of such a scene is reported with a warning.
+    /// Whether the program warns about a solution at such a contrast.
     pub fn warned(&self) -> bool {
         self.crossing >= FAILING
     }
@@ -67,13 +67,13 @@ pub(super) const STIFF: [Column<Stiff>; 8] = [
 pub type Contrast = Found<Stiff>;
 
 impl Contrast {
-    /// The points of a place of stiff parts and a basis.
+    /// The points of a kind of stiff parts and a basis.
     pub fn of(&self, part: usize, basis: usize) -> impl Iterator<Item = &Stiff> {
         self.points.iter().filter(move |s| (s.part, s.basis) == (part, basis))
     }
 }
 
-/// Solves with all contrasts. After a wish to stop nothing more is solved.
+/// Solves with all contrasts. After a request to stop nothing more is solved.
 pub fn contrast(watch: &mut Watch<'_>) -> Contrast {
     let mut all = Contrast::default();
     for (part, (name, _)) in PARTS.iter().enumerate() {
@@ -107,7 +107,7 @@ fn one(part: usize, contrast: f64, interrupts: &AtomicUsize, points: &mut Vec<St
     Ok(())
 }
 
-/// The estimate by jumps of the plate: held on the left, the traction (0, -1) on the right.
+/// The estimate by jumps of tractions, for the plate held on the left with the traction (0, -1) on the right.
 fn jumps(solved: &GridSolved) -> f64 {
     let (body, Some(coarse)) = (&solved.body, &solved.coarse) else { return f64::NAN };
     let traction = |_: usize, side: usize| match side {

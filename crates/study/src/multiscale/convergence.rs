@@ -24,13 +24,13 @@ pub struct Point {
     pub patterns: usize,
     /// Relative error in the energy norm against bilinear elements on the same fine cells.
     pub error: f64,
-    /// Relative error of the displacement in the L² norm against the same.
+    /// Relative error of the displacement in the L² norm against the same elements.
     pub displacement: f64,
-    /// The estimate of the first; NaN of bases that do not conform.
+    /// Estimate of the error in the energy norm; NaN for nonconforming bases.
     pub estimate: f64,
-    /// Relative error against the exact solution, that of the fine grid included; NaN if that is not known.
+    /// Relative error against the exact solution, with the error of the fine grid; NaN if that is unknown.
     pub total: f64,
-    /// Wall seconds without those of the estimate.
+    /// Wall seconds without the estimate.
     pub seconds: f64,
 }
 
@@ -69,11 +69,12 @@ impl Convergence {
     }
 }
 
-/// Fine cells of the coarse cells that are studied: those of the scene, their halves, quarters and so on, as long as they
-/// are whole and more than one along x or y, and the body is made of such cells.
+/// Numbers of fine cells in the studied coarse cells: the numbers of the scene, their halves, quarters and so on, as
+/// long as they are whole and not both 1, if the body consists of such coarse cells.
 ///
 /// # Errors
-/// A scene without a grid; one with no such cells; a fine grid of more unknowns than [`MOST_DOFS`] and the scene allow.
+/// A scene without a grid or without such cells; a fine grid with more unknowns than both [`MOST_DOFS`] and the scene
+/// allow.
 pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, DataError> {
     let refuse = |kind, key, message: String, help: &str| Err(DataError::at(kind, &[key], message, help));
     let Some(input) = &scene.body().grid else {
@@ -113,8 +114,7 @@ pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, DataError> {
     Ok(sizes)
 }
 
-/// Solves with every basis on coarse cells of these sizes. After a wish to stop nothing more
-/// is solved.
+/// Solves with every basis on coarse cells of these sizes. After a request to stop nothing more is solved.
 pub fn convergence(
     scene: &Scene,
     fine_grid: &FineGrid,
@@ -144,7 +144,7 @@ pub fn convergence(
                     error,
                     displacement,
                     estimate: estimate(&fine_grid.truth, &solved),
-                    // both are at right angles where the coarse functions are fine ones
+                    // both errors are orthogonal if the coarse functions are fine functions
                     total: error.hypot(fine_grid.error()),
                     seconds,
                 }))

@@ -41,7 +41,7 @@ pub fn pictures(study: &MultiscaleStudy<'_>, folder: &Path) -> Result<Vec<PathBu
     Ok(all.files)
 }
 
-/// One line for each basis that has one of the values.
+/// One line for each basis with known values.
 fn by_basis(study: &MultiscaleStudy<'_>, values: &[fn(&Point) -> [f64; 2]]) -> Vec<Line> {
     let curve = |basis: usize, value: &fn(&Point) -> [f64; 2]| known(study.convergence.of(basis).map(value));
     let line = |(k, (name, _)): (usize, &(&str, _))| Line::new(*name, values.iter().map(|v| curve(k, v)));
@@ -50,7 +50,7 @@ fn by_basis(study: &MultiscaleStudy<'_>, values: &[fn(&Point) -> [f64; 2]]) -> V
 
 fn errors(study: &MultiscaleStudy<'_>, all: &mut Pictures<'_>) -> Result<(), PictureError> {
     let fine = study.fine_grid.error();
-    // as wide as a line can be seen
+    // as narrow as a visible line
     let band = Band { label: &format!("error of the fine grid itself, {fine:.2e}"), y: [fine / 1.03, 1.03 * fine] };
     let drawing = Drawing {
         title: &format!("{}: multiscale elements against the fine grid", study.scene.title),
@@ -110,8 +110,8 @@ fn cost(study: &MultiscaleStudy<'_>, all: &mut Pictures<'_>) -> Result<(), Pictu
     all.draw("error-seconds", &drawing)
 }
 
-/// Errors and effectivities over the period of layers and over the size of coarse cells: a line a basis, the two laminates
-/// solid and dashed.
+/// Errors and effectivities over the period of layers and over the size of coarse cells: one line for each basis, the
+/// two laminates solid and dashed.
 fn resonance(study: &MultiscaleStudy<'_>, pictures: &mut Pictures<'_>) -> Result<(), PictureError> {
     let all = &study.laminates;
     let points = |over_periods: bool, laminate: usize, basis: usize| -> Vec<&Layers> {
@@ -156,7 +156,8 @@ fn resonance(study: &MultiscaleStudy<'_>, pictures: &mut Pictures<'_>) -> Result
     Ok(())
 }
 
-/// Errors of all bases, then effectivities of the coupled one, over the contrast: a line a place of the stiff parts.
+/// Errors of all bases, then effectivities of the coupled one, over the contrast: one line for each kind of stiff
+/// parts.
 fn contrast(study: &MultiscaleStudy<'_>, all: &mut Pictures<'_>) -> Result<(), PictureError> {
     let curve = |part: usize, basis: usize, value: fn(&Stiff) -> f64| {
         let known = study.contrast.of(part, basis).filter(|s| value(s).is_finite());

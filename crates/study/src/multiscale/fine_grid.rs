@@ -1,4 +1,4 @@
-//! The error that the fine grid has itself: multiscale elements on it cannot be nearer to the exact solution.
+//! The error of the fine grid itself: multiscale elements on it cannot have a smaller one.
 
 use steklov_model::error::SolveError;
 use steklov_model::grid::GridSolved;
@@ -9,9 +9,9 @@ use crate::error::StudyError;
 use crate::table::Column;
 use crate::watch::Watch;
 
-/// Parts of the cells of finer and finer grids.
+/// Parts of each cell along x and y in finer and finer grids.
 const PARTS: [usize; 3] = [1, 2, 4];
-/// Finer grids have at most this number of unknowns, or the number that the scene allows.
+/// Largest number of unknowns of finer grids, or the limit of the scene if that is larger.
 pub const MOST_DOFS: usize = 1_000_000;
 
 /// Bilinear elements on all cells, or on parts of them.
@@ -25,9 +25,9 @@ pub struct Level {
     pub energy: f64,
     /// Relative error against the extrapolated limit, or its estimate without one; NaN if not known.
     pub error: f64,
-    /// Relative error as the solution itself estimates it; NaN without an estimate.
+    /// Estimate of the relative error by the solution itself; NaN without one.
     pub estimate: f64,
-    /// Wall seconds without those of the estimate.
+    /// Wall seconds without the estimate.
     pub seconds: f64,
 }
 
@@ -47,7 +47,7 @@ pub struct FineGrid {
     pub truth: GridSolved,
     /// The fine grid and finer ones.
     pub levels: Vec<Level>,
-    /// The limit of J, and r of J_h - J = C h^r; none with fewer than three grids, or where their J do not fall steadily.
+    /// The limit of J, and r of J_h - J = C h^r; None with fewer than three grids, or if their J do not fall steadily.
     pub limit: Option<[f64; 2]>,
     /// Why a finer grid has no solution.
     pub failures: Vec<(String, String)>,
@@ -59,7 +59,7 @@ impl FineGrid {
         self.levels[0].error
     }
 
-    /// Where that error comes from, in words.
+    /// The source of that error in words.
     pub fn source(&self) -> &'static str {
         match self.limit {
             Some(_) => "J of three grids, each half as wide as the one before, extrapolated at its rate",
@@ -69,26 +69,26 @@ impl FineGrid {
     }
 }
 
-/// The limit of three values with the step h, h/2, h/4, and r of J_h - J = C h^r; none where they do not fall, or not more
+/// The limit of three values with the step h, h/2, h/4, and r of J_h - J = C h^r; None unless they fall, and more
 /// slowly from step to step.
 fn limit([a, b, c]: [f64; 3]) -> Option<[f64; 2]> {
     let (first, second) = (a - b, b - c);
-    // below that the differences are those of rounding
+    // smaller differences are rounding errors
     let noise = 1e-13 * (a.abs() + b.abs() + c.abs());
     (second > noise && first > 1.2 * second).then(|| [c - second * second / (first - second), (first / second).log2()])
 }
 
-/// Solves the fine grid and finer ones. After a wish to stop nothing more is solved.
+/// Solves the fine grid and finer ones. After a request to stop nothing more is solved.
 ///
 /// # Errors
-/// Those of the fine grid; [`SolveError::Interrupted`] before it is solved.
+/// The errors of the fine grid; [`SolveError::Interrupted`] after a stop before it is solved.
 pub fn fine_grid(scene: &Scene, repeat: usize, watch: &mut Watch<'_>) -> Result<FineGrid, StudyError> {
     let most = scene.method.max_dofs().max(MOST_DOFS);
     let cells = grid_of(scene).map_err(SolveError::from)?.body_cells().count();
     let mut truth = None;
     let (mut levels, mut failures): (Vec<Level>, Vec<_>) = (Vec::new(), Vec::new());
     for parts in PARTS {
-        // about as many nodes as cells
+        // there are about as many nodes as cells
         if parts > 1 && 2 * cells * parts * parts > most {
             break;
         }
@@ -98,7 +98,7 @@ pub fn fine_grid(scene: &Scene, repeat: usize, watch: &mut Watch<'_>) -> Result<
                 return Err(StudyError::NotSolved { steps: 1 });
             }
             Ok((solved, seconds)) if solved.converged() => {
-                // nothing estimated is no estimate
+                // an estimate of 0 is no estimate
                 let estimate = solved.estimate.as_ref().filter(|e| e.fine_grid > 0.0);
                 levels.push(Level {
                     parts,

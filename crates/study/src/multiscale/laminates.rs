@@ -1,6 +1,7 @@
-//! Resonance: what happens where the period of a material meets the size of coarse cells.
+//! Resonance: errors when the period of a material approaches the size of coarse cells.
 //!
-//! The unit square of 256 × 256 cells, its left side held, a traction on its right one, of layers 1:10 whose period is 1/4 to 1/32.
+//! The unit square with 256 × 256 cells, its left side held, a traction on its right side, with layers 1:10 of a period
+//! from 1/4 to 1/32.
 
 use std::sync::atomic::AtomicUsize;
 
@@ -12,12 +13,12 @@ use super::plate::plate;
 use crate::table::Column;
 use crate::watch::{Found, Watch};
 
-/// Layers along y, and layers at an angle to both axes: each has one half of a period.
+/// Layers along y, and layers at an angle to both axes: each layer is half of a period.
 pub const LAMINATES: [(&str, &str); 2] = [("straight", "sin(2*pi*x*P)"), ("diagonal", "sin(2*pi*(x + 2*y)*P)")];
 
 /// Fine cells along each side.
 const FINE: usize = 256;
-/// Periods and coarse cells along a side.
+/// Numbers of periods and of coarse cells along a side.
 const PERIODS: [usize; 4] = [4, 8, 16, 32];
 const COARSE: [usize; 5] = [4, 8, 16, 32, 64];
 /// The fixed numbers: coarse cells while periods change; periods of each laminate while coarse cells change.
@@ -37,9 +38,9 @@ pub struct Layers {
     pub coarse: usize,
     /// Relative error in the energy norm against bilinear elements on the same fine cells.
     pub error: f64,
-    /// Relative error of the displacement in the L² norm against the same.
+    /// Relative error of the displacement in the L² norm against the same elements.
     pub displacement: f64,
-    /// The estimate of the first; NaN of bases that do not conform.
+    /// Estimate of the error in the energy norm; NaN for nonconforming bases.
     pub estimate: f64,
 }
 
@@ -61,12 +62,12 @@ pub(super) const LAYERS: [Column<Layers>; 8] = [
 pub type Laminates = Found<Layers>;
 
 impl Laminates {
-    /// Points of a laminate and a basis with the coarse cells that are fixed while periods change.
+    /// Points of a laminate and a basis with the fixed number of coarse cells, over the periods.
     pub fn over_periods(&self, laminate: usize, basis: usize) -> impl Iterator<Item = &Layers> {
         self.of(laminate, basis).filter(|l| l.coarse == FIXED_COARSE)
     }
 
-    /// Those with the periods that are fixed while coarse cells change.
+    /// Points of a laminate and a basis with the fixed number of periods, over the coarse cells.
     pub fn over_cells(&self, laminate: usize, basis: usize) -> impl Iterator<Item = &Layers> {
         self.of(laminate, basis).filter(move |l| l.periods == FIXED_PERIODS[laminate])
     }
@@ -83,7 +84,7 @@ fn square(laminate: usize, periods: usize) -> Result<Scene, SolveError> {
     plate([1.0, 1.0], &young, ("P", periods as f64), FINE, grid)
 }
 
-/// Solves on all laminates. After a wish to stop nothing more is solved.
+/// Solves on all laminates. After a request to stop nothing more is solved.
 pub fn laminates(watch: &mut Watch<'_>) -> Laminates {
     let mut all = Laminates::default();
     for (laminate, (name, _)) in LAMINATES.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Solutions on coarse cells measured against the one on all fine cells.
+//! Errors of solutions on coarse cells against the solution on all fine cells.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -25,7 +25,7 @@ pub const FITTED: [(&str, BasisInput); 3] = [BASES[2], BASES[3], BASES[4]];
 /// The message for a solution that did not converge.
 pub(super) const NOT_CONVERGED: &str = "the contact solver did not reach its criterion";
 
-/// After a wish to stop nothing more is solved.
+/// The observer that ends a solve after a request to stop.
 fn stopped(interrupts: &AtomicUsize) -> impl FnMut(Stage<'_>) -> Result<(), SolveError> + '_ {
     |_| if interrupts.load(Ordering::Relaxed) > 0 { Err(SolveError::Interrupted) } else { Ok(()) }
 }
@@ -54,7 +54,7 @@ pub(crate) fn on_coarse_cells(
 /// The result of [`timed`]: the solution, and the median of its seconds.
 pub(super) type Timed = (GridSolved, f64);
 
-/// Solves `repeat` times, at least once; wall seconds without those of the estimate.
+/// Solves `repeat` times, at least once; wall seconds without the estimate.
 pub(super) fn timed(
     repeat: usize,
     mut solve: impl FnMut() -> Result<GridSolved, SolveError>,
@@ -76,9 +76,9 @@ pub(super) fn norm(solved: &GridSolved) -> f64 {
     (2.0 * solved.energies.strain).sqrt()
 }
 
-/// The relative error in the energy norm and that of the displacement in the L² norm: Σ_T a_T(u_h - u_H, u_h - u_H)^½ over
-/// a(u_h, u_h)^½, and ‖u_h - u_H‖ over ‖u_h‖. u_h is on all cells, u_H on coarse ones, T are the coarse cells, in each of which a
-/// basis that does not conform has a field of its own. Both are exact for bilinear fields on the fine cells.
+/// The relative errors in the energy norm and of the displacement in the L² norm: Σ_T a_T(u_h - u_H, u_h - u_H)^½ over
+/// a(u_h, u_h)^½, and ‖u_h - u_H‖ over ‖u_h‖. u_h is on all cells, u_H on coarse ones; T are the coarse cells, in each
+/// of which a nonconforming basis has a field of its own. Both are exact for bilinear fields on the fine cells.
 pub(super) fn error(truth: &GridSolved, solved: &GridSolved) -> Result<[f64; 2], SolveError> {
     let body = &truth.body;
     let [energy, square] = match &solved.coarse {
@@ -92,15 +92,15 @@ pub(super) fn error(truth: &GridSolved, solved: &GridSolved) -> Result<[f64; 2],
     Ok([energy.max(0.0).sqrt() / norm(truth), (square / self::square(body, &truth.displacement)).sqrt()])
 }
 
-/// ∫ u·u over the body of a field by its values at the fine nodes (length⁴).
+/// ∫ u·u over the body, from the values of u at the fine nodes (length⁴).
 fn square(body: &HeterogeneousBody, u: &[f64]) -> f64 {
     let spacing = body.grid.spacing;
     body.grid.body_cells().map(|cell| cell_square(spacing, &body.cell_values(u, cell))).sum()
 }
 
-/// ∫ u·u over a rectangle of a bilinear field by its values at the corners, counter-clockwise, in closed form.
+/// ∫ u·u of a bilinear field over a rectangle, from its values at the corners, counter-clockwise, in closed form.
 fn cell_square([hx, hy]: [f64; 2], u: &[f64; 8]) -> f64 {
-    // hx hy / 36 times 4 for a corner with itself, 1 with the opposite one, 2 with those beside it
+    // hx hy / 36 times 4 for a corner with itself, 1 with the opposite corner, 2 with the adjacent ones
     let weight = |a: usize, b: usize| [4.0, 2.0, 1.0, 2.0][(4 + a - b) % 4];
     let row =
         |a: usize| (0..4).map(|b| weight(a, b) * (u[2 * a] * u[2 * b] + u[2 * a + 1] * u[2 * b + 1])).sum::<f64>();
@@ -111,7 +111,7 @@ fn cell_square([hx, hy]: [f64; 2], u: &[f64; 8]) -> f64 {
 fn broken(truth: &GridSolved, coarse: &CoarseSolved) -> Result<[f64; 2], MsfemError> {
     let body = &truth.body;
     let mut problem = Multiscale::new(body, coarse.mesh.clone(), coarse.basis)?;
-    // the bases once more, those of equal cells once
+    // computes the bases again, once for equal cells
     problem.assemble(&Loads::default(), &Extra::default(), &mut |_| true)?;
     let mut values = vec![0.0; problem.dofs()];
     for (unknown, u) in problem.unknown.iter().zip(&coarse.displacement) {
@@ -132,7 +132,7 @@ fn broken(truth: &GridSolved, coarse: &CoarseSolved) -> Result<[f64; 2], MsfemEr
     Ok(squared)
 }
 
-/// The estimate of that error; NaN of bases that do not conform.
+/// The estimate of the error in the energy norm; NaN for nonconforming bases.
 pub(super) fn estimate(truth: &GridSolved, solved: &GridSolved) -> f64 {
     solved.estimate.as_ref().map_or(f64::NAN, |e| e.multiscale.sqrt() / norm(truth))
 }
@@ -144,7 +144,7 @@ mod tests {
 
     use super::*;
 
-    /// An L with displacements that are no polynomials of degree one on its sides.
+    /// An L-shaped body whose displacements are not linear on its sides.
     const L: &str = r#"title = "L"
 [body]
 corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]
@@ -165,7 +165,7 @@ fine = [4, 4]
 
     #[test]
     fn fields_cell_by_cell_have_the_error_of_the_whole() {
-        // enlarged by nothing, the oversampled basis is the coupled one, but counts as one that does not conform
+        // the oversampled basis, enlarged by nothing, equals the coupled one, but counts as nonconforming
         let scene = steklov_document::parse(L, "L", &[]).unwrap();
         let run = &AtomicUsize::new(0);
         let truth = on_all_cells(&scene, 1, run).unwrap();

@@ -5,7 +5,7 @@
 //!            Convergence (bases on smaller and smaller coarse cells)           ├─► MultiscaleStudy ─► report, draw
 //! examples:  Laminates (resonance), Contrast (stiff parts across coarse edges) ─┘
 //! ```
-//! Each part is a file: what it computes, and the columns of its table.
+//! Each part is a file with its computation and the columns of its table.
 
 mod measure;
 mod plate;
@@ -56,7 +56,7 @@ pub struct MultiscaleStudy<'a> {
 /// All parts of the study, the scene on coarse cells of these sizes; seconds are medians of `repeat` runs.
 ///
 /// # Errors
-/// Those of [`fine_grid`].
+/// As [`fine_grid`].
 pub fn study<'a>(
     scene: &'a Scene,
     source: &'a Source,
@@ -78,12 +78,12 @@ impl MultiscaleStudy<'_> {
         !self.interrupted && self.failures().next().is_none()
     }
 
-    /// How the errors on the scene and on the laminates fall.
+    /// The rates of the errors on the scene and on the laminates.
     pub fn rates(&self) -> Vec<Rate> {
         rates(&self.convergence, &self.laminates)
     }
 
-    /// What failed, and why.
+    /// The failures, each with its reason.
     fn failures(&self) -> impl Iterator<Item = &(String, String)> {
         let examples = self.laminates.failures.iter().chain(&self.contrast.failures);
         self.fine_grid.failures.iter().chain(&self.convergence.failures).chain(examples)

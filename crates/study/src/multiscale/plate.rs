@@ -10,7 +10,7 @@ use steklov_problem::{
     BasisInput, CellModuli, Cells, Condition, DataError, DataErrorKind, GridInput, Scene, Substance,
 };
 
-/// The laminate as a scene, for those who solve it again; LAYERS stands for the expression of a laminate.
+/// The laminate as a scene, so that users can solve it again; LAYERS stands for the expression of a laminate.
 pub(super) const SQUARE: &str = r#"title = "Layers 1:10"
 [body]
 corners = [[0, 0], [1, 0], [1, 1], [0, 1]]
@@ -29,7 +29,7 @@ coarse = [4, 4]
 fine = [64, 64]
 "#;
 
-/// The same of the plate with stiff parts; STIFF stands for the expression of one.
+/// The plate with stiff parts as a scene; STIFF stands for the expression of the parts.
 pub(super) const PLATE: &str = r#"title = "Stiff parts"
 [body]
 corners = [[0, 0], [2, 0], [2, 1], [0, 1]]
@@ -48,8 +48,8 @@ coarse = [8, 4]
 fine = [16, 16]
 "#;
 
-/// A plate of a size on a grid [coarse, fine], with `along` square cells in a length of one, whose modulus is an expression of x, y
-/// and one name.
+/// A plate of a size on a grid [coarse, fine], with `along` square cells in a length of one, with a modulus that is an
+/// expression of x, y and one name.
 ///
 /// # Errors
 /// Data that do not fit each other.

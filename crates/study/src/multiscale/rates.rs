@@ -1,7 +1,8 @@
 //! Rates of the errors: over the size H of coarse cells on the scene, over the period ε of layers on coarse cells of one size.
 //!
-//! Theorems of the kind ‖u - u_H‖ ≤ C H and ≤ C H² for energy and L² norm are of H below the scale of the moduli; above it C₁
-//! H + C₂ (ε/H)^½ and C₁ H² + C₂ ε/H bound both. The last three errors or more are fitted, so that fewer give no rate.
+//! Theorems of the kind ‖u - u_H‖ ≤ C H and ≤ C H² for energy and L² norm hold for H below the scale of the moduli;
+//! above it C₁ H + C₂ (ε/H)^½ and C₁ H² + C₂ ε/H bound both. At least the last three errors are fitted; fewer give no
+//! rate.
 
 use super::laminates::LAMINATES;
 use super::measure::{BASES, FITTED};
@@ -9,14 +10,15 @@ use super::{Convergence, Laminates};
 use crate::fit::{Fit, Law, fit};
 use crate::table::Column;
 
-/// How the errors of a basis fall.
+/// The rates of the errors of a basis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rate {
     /// 0 over H on the scene; 1 and 2 over ε on the laminates.
     pub over: usize,
     /// Number in [`BASES`].
     pub basis: usize,
-    /// r of error = C H^r or C ε^r, energy norm, and of the displacement in the L² norm; NaN where too few errors are known.
+    /// r of error = C H^r or C ε^r in the energy norm, and of the displacement in the L² norm; NaN if too few errors
+    /// are known.
     pub rates: [f64; 2],
     /// R² of both fits.
     pub r_squared: [f64; 2],
@@ -69,7 +71,7 @@ mod tests {
         assert!((found.rates[0] - 0.75).abs() < 1e-12 && (found.rates[1] - 1.5).abs() < 1e-12, "{found:?}");
         assert!(found.r_squared.iter().all(|r| (r - 1.0).abs() < 1e-12));
         assert_eq!(rate(0, 2, [12, 24].map(power).to_vec()), None);
-        // one of two may be known alone
+        // one of the two rates may be unknown
         let one = rate(0, 2, [12, 24, 48].map(|n| (n, [f64::NAN, power(n).1[1]])).to_vec()).unwrap();
         assert!(one.rates[0].is_nan() && (one.rates[1] - 1.5).abs() < 1e-12, "{one:?}");
     }

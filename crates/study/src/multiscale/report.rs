@@ -87,7 +87,7 @@ fn fine_grid_parts(fine: &FineGrid, levels: Table) -> Vec<Part> {
 
 /// A number with these decimals.
 fn cell(value: f64, decimals: usize) -> String {
-    // so that small errors differ from none
+    // small errors differ from 0
     show::number(value, |v| if v != 0.0 && v.abs() < 1e-3 { format!("{v:.1e}") } else { format!("{v:.decimals$}") })
 }
 
@@ -155,7 +155,7 @@ fn powers(rate: &Rate, width: &str) -> String {
 /// Width of the names in front of lines.
 const NAME: usize = 28;
 
-/// A value of each point; nothing if none is known.
+/// A line with a value of each point; nothing if no value is known.
 fn values<T>(text: &mut String, name: &str, points: &[&T], value: fn(&T) -> f64, decimals: usize) {
     if points.iter().any(|p| value(p).is_finite()) {
         line(text, (name, NAME), points.iter().map(|p| cell(value(p), decimals)));

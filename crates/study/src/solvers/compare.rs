@@ -13,7 +13,7 @@ use crate::supported::{contact_sides, uniform};
 use crate::table::Column;
 use crate::watch::Watch;
 
-/// A solver; why it has no answer in words.
+/// A solver; the error says in words why it has no answer.
 type Solver = fn(&Problem) -> Result<Solution, String>;
 /// Solvers and their names.
 pub const SOLVERS: [(&str, Solver); 4] = [
@@ -23,15 +23,15 @@ pub const SOLVERS: [(&str, Solver); 4] = [
     ("semi-smooth Newton", newton_alone),
 ];
 
-/// The semi-smooth Newton method, as far as it needs no other method.
+/// The semi-smooth Newton method; it fails if the active set method had to replace it.
 fn newton_alone(problem: &Problem) -> Result<Solution, String> {
     let mut steps = 0;
     let solution = newton_watched(problem, None, &mut |_| steps += 1).map_err(|e| e.to_string())?;
     gave_way(steps, &solution).map_or(Ok(solution), Err)
 }
 
-/// The failure of the method to converge after this number of iterates, if so: the history of its answer goes on with that of
-/// active sets.
+/// The failure of the method to converge after this number of iterates, if so: the history of the answer then continues
+/// with the active set method.
 pub(super) fn gave_way(iterates: usize, solution: &Solution) -> Option<String> {
     let last = iterates.saturating_sub(1);
     (iterates < solution.history.len()).then(|| format!("it gave way to active sets after {last} steps"))
@@ -41,8 +41,8 @@ pub(super) fn gave_way(iterates: usize, solution: &Solution) -> Option<String> {
 pub const TOLERANCE: f64 = 1e-10;
 /// The meshes: multiples of the scene's number of elements.
 const TIMES: [usize; 5] = [1, 2, 4, 8, 16];
-/// Largest number of multipliers: Uzawa's iteration has a full matrix of them, and needs a number of steps that grows with the
-/// mesh.
+/// Largest number of multipliers: Uzawa's iteration has a full matrix of that size, and its number of steps grows with
+/// the mesh.
 const MULTIPLIERS: usize = 600;
 
 /// A solver on a mesh.
@@ -56,9 +56,9 @@ pub struct Method {
     pub dofs: usize,
     /// Contact multipliers.
     pub multipliers: usize,
-    /// Iterations until its measure is below 1e-10 for good; NaN if it never is.
+    /// Iterations until its measure stays below 1e-10; NaN if it never does.
     pub iterations: f64,
-    /// The judge's worst measure of the answer.
+    /// The worst measure of the answer in the check of its conditions.
     pub kkt: f64,
     /// Wall seconds to its own tolerance.
     pub seconds: f64,
@@ -105,10 +105,11 @@ pub(crate) struct OnMesh {
     pub(crate) problem: Problem,
 }
 
-/// The condensed contact problems on uniform meshes, of random input for its mean. After a wish to stop no more meshes are done.
+/// The condensed contact problems on uniform meshes; random input has its mean. After a request to stop no more meshes
+/// are done.
 ///
 /// # Errors
-/// Those of assembling the meshes.
+/// The errors of assembly on the meshes.
 pub(crate) fn problems(
     scene: &Scene,
     watch: &mut Watch<'_>,
@@ -149,7 +150,7 @@ fn multipliers(problem: &Problem) -> usize {
 /// Solves the condensed contact problems on uniform meshes; none without contact.
 ///
 /// # Errors
-/// Those of assembling the meshes. Solvers that fail are reported in their places.
+/// The errors of assembly on the meshes. A solver that fails is reported in its place.
 pub fn solvers(scene: &Scene, watch: &mut Watch<'_>) -> Result<Option<Solvers>, SolveError> {
     if contact_sides(scene).is_empty() {
         return Ok(None);

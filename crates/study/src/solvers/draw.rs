@@ -10,12 +10,12 @@ use crate::chart::{Drawing, Line, Pictures, known, linear, log};
 
 /// Largest number of iterations of a history that are drawn.
 const DRAWN: usize = 40;
-/// A measure of 0 is drawn here.
+/// A measure of 0 is drawn at this value.
 const FLOOR: f64 = 1e-17;
 
 const DOFS: &str = "degrees of freedom N";
 
-/// Draws what the solvers need and how the iterates of the semi-smooth Newton method converge; returns the files.
+/// Draws the cost of the solvers and the convergence of the semi-smooth Newton method; returns the files.
 ///
 /// # Errors
 /// When a picture cannot be drawn or written.
@@ -33,7 +33,7 @@ pub fn pictures(study: &ContactSolvers<'_>, folder: &Path) -> Result<Vec<PathBuf
     Ok(all.files)
 }
 
-/// ‖e_{k+1}‖/‖e_k‖ over k: it tends to 0 where the convergence is superlinear.
+/// ‖e_{k+1}‖/‖e_k‖ over k: it tends to 0 if the convergence is superlinear.
 fn ratios(study: &ContactSolvers<'_>, all: &mut Pictures<'_>) -> Result<(), PictureError> {
     let line = |newton: &Newton| {
         let points = newton.iterates.iter().map(|i| [i.number as f64, i.ratio]);

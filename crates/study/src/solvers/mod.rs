@@ -40,7 +40,7 @@ pub struct ContactSolvers<'a> {
     pub interrupted: bool,
 }
 
-/// Whether a scene can be studied.
+/// Checks that a scene can be studied.
 ///
 /// # Errors
 /// A scene without contact, or on a grid.
@@ -61,7 +61,7 @@ pub fn check(scene: &Scene) -> Result<(), DataError> {
 /// All solvers on uniform meshes.
 ///
 /// # Errors
-/// Those of assembling the meshes. Solvers that fail are reported in their places.
+/// The errors of assembly on the meshes. A solver that fails is reported in its place.
 pub fn study<'a>(
     scene: &'a Scene,
     source: &'a Source,

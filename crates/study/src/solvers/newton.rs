@@ -8,7 +8,7 @@ use super::compare::{OnMesh, gave_way};
 use crate::quadratic;
 use crate::table::Column;
 
-/// Relative errors below this are rounding.
+/// Relative errors below this are rounding errors.
 const ROUNDED: f64 = 1e-13;
 
 /// An iterate of the method.
@@ -18,9 +18,9 @@ pub struct Iterate {
     pub elements: usize,
     /// Its number; 0 is the start.
     pub number: usize,
-    /// ⟨S e, e⟩^½ over that of the solution, e the displacement of the contact unknowns less that of the solution.
+    /// ⟨S e, e⟩^½ over ⟨S u, u⟩^½ of the solution u, with e the displacement of the contact unknowns minus u.
     pub error: f64,
-    /// That of the next one over it; NaN of the last one, and where it is rounding.
+    /// Error of the next iterate over this one; NaN for the last iterate, and if the next error is rounding.
     pub ratio: f64,
 }
 
@@ -29,9 +29,9 @@ pub struct Iterate {
 pub struct Newton {
     /// Elements of the uniform mesh.
     pub elements: usize,
-    /// The iterates; none where the method gave way to the active set method at once.
+    /// The iterates; none if the method was replaced by the active set method at once.
     pub iterates: Vec<Iterate>,
-    /// Why they do not end in the solution: there is none, or active sets found it.
+    /// Why they do not end in the solution: there is none, or the active set method found it.
     pub failure: Option<String>,
 }
 

@@ -43,7 +43,7 @@ fn failure(newton: &Newton) -> Option<Value> {
     Some(json!({ "elements": newton.elements, "message": newton.failure.as_ref()? }))
 }
 
-/// A solver: its numbers mesh by mesh, what failed, its measure by iteration.
+/// A solver: its numbers mesh by mesh, its failures, its measure by iteration.
 pub(crate) fn parts(solvers: &Solvers, k: usize) -> Vec<Part> {
     let failures =
         solvers.of(k).filter_map(|m| Some(json!({ "elements": m.elements, "message": m.failure.as_ref()? })));
@@ -82,7 +82,7 @@ fn cell(value: f64) -> String {
     show::number(value, |v| format!("{v:.1e}"))
 }
 
-/// Iterations, seconds and measures of all solvers, mesh by mesh; `of` says which solution it is.
+/// Iterations, seconds and measures of all solvers, mesh by mesh; `of` names the solution.
 pub(crate) fn table(text: &mut String, of: &str, all: &Solvers) {
     let _ = writeln!(text, "\ncontact solvers{of}, uniform meshes: iterations to 1e-10, seconds, worst measure");
     let heads: String = SOLVERS.iter().map(|s| format!(" {:>28}", s.0)).collect();

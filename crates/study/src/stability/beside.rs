@@ -1,4 +1,4 @@
-//! Results of other methods for the same scene, drawn beside.
+//! Results of other methods for the same scene, for comparison.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use crate::table::Column;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Beside {
-    /// Name of the method and its mesh: results of one name are one curve.
+    /// Name of the method and its mesh: results with the same name form one curve.
     pub name: String,
     /// Poisson's ratio, one of [`POISSON`].
     pub poisson: f64,
@@ -23,15 +23,15 @@ pub struct Beside {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BesideError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{} cannot be read: {source}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// It is not such a list.
+    /// The file is not a list of results.
     #[error(
         "{} is not a list [{{\"name\": TEXT, \"poisson\": NUMBER, \"energy\": NUMBER}}, ...]: {source}",
         path.display()
@@ -57,7 +57,7 @@ pub enum BesideError {
 /// Reads a JSON list of results.
 ///
 /// # Errors
-/// A file that cannot be read or is no such list, a ratio that is not one of [`POISSON`].
+/// A file that cannot be read or is no list of results, a ratio that is not in [`POISSON`].
 pub fn read_beside(path: &Path) -> Result<Vec<Beside>, BesideError> {
     let text = std::fs::read_to_string(path).map_err(|source| BesideError::Read { path: path.to_owned(), source })?;
     let format = |source| BesideError::Format { path: path.to_owned(), source };

@@ -33,7 +33,7 @@ fn by_mesh(study: &Stability<'_>, value: fn(&Point) -> f64) -> Vec<Line> {
     all.meshes().into_iter().map(line).collect()
 }
 
-/// Errors as ν → ½; those of other methods are dashed.
+/// Errors as ν → ½; the errors of other methods are dashed.
 fn incompressible(study: &Stability<'_>, all: &mut Pictures<'_>) -> Result<(), PictureError> {
     let plane = if study.note().is_some() { " (plane stress)" } else { "" };
     let title = &format!("{}: towards incompressible material{plane}", study.scene.title);

@@ -17,7 +17,7 @@ use crate::watch::Watch;
 /// Poisson's ratios of the study.
 pub const POISSON: [f64; 8] = [0.3, 0.4, 0.45, 0.49, 0.499, 0.4999, 0.49999, 0.4999999];
 
-/// Its meshes: multiples of the scene's number of elements, and degrees.
+/// The meshes of the study: multiples of the scene's number of elements, and degrees.
 const MESHES: [(usize, usize); 5] = [(1, 1), (4, 1), (1, 2), (4, 2), (1, 4)];
 
 /// The reference for the errors at a ratio: an hp solution on a much finer mesh.
@@ -31,7 +31,7 @@ pub struct Truth {
     pub estimate: f64,
     /// Displacement unknowns.
     pub dofs: usize,
-    /// Why there is none.
+    /// Why there is no reference.
     pub failure: Option<String>,
 }
 
@@ -48,7 +48,7 @@ pub struct Point {
     pub dofs: usize,
     /// J; NaN if there is no solution.
     pub energy: f64,
-    /// ⟨S e, e⟩^½ over that of the reference solution; NaN where it is not known.
+    /// ⟨S e, e⟩^½ over that of the reference solution; NaN if unknown.
     pub error: f64,
     /// (|J - J_ref|/|J_ref|)^½.
     pub energy_error: f64,
@@ -90,7 +90,7 @@ impl Incompressible {
         self.failures().next().is_none()
     }
 
-    /// What failed, with its ratio.
+    /// The failures, each with its ratio.
     pub fn failures(&self) -> impl Iterator<Item = (f64, &str)> {
         let truths = self.truths.iter().map(|t| (t.poisson, &t.failure));
         let all = truths.chain(self.points.iter().map(|p| (p.poisson, &p.failure)));
@@ -116,7 +116,7 @@ impl Incompressible {
 
 /// Solves the scene on some uniform meshes at every ratio of [`POISSON`], the rest of its data unchanged, and measures
 /// their errors against an hp solution at that ratio. Meshes with more unknowns than the scene allows are left out.
-/// After a wish to stop the ratio that runs is left out.
+/// After a request to stop the current ratio is left out.
 ///
 /// # Errors
 /// As [`Reference::new`] at the first ratio; later failures are reported in their place.
@@ -127,7 +127,7 @@ pub fn incompressible(scene: &Scene, watch: &mut Watch<'_>) -> Result<Incompress
         let Material { young, plane, .. } = scene.body().material();
         let material = Material::new(young, poisson, plane).map_err(|error| SolveError::Bem(error.into()))?;
         scene.body_mut().substance = Substance::Homogeneous(material);
-        scene.expect.clear(); // it is of another ratio
+        scene.expect.clear(); // the expected values hold at another ratio
         let what = format!("ν = {poisson}");
         let reference = Reference::new(&scene, watch.interrupts, &mut |step, event| {
             watch.tell_step(&what, "reference, ", step, &event);
@@ -162,7 +162,7 @@ fn points(scene: &Scene, reference: &Reference, what: &str, watch: &mut Watch<'_
         let scene = uniform(scene, times, degree);
         let mesh = first_mesh(&scene);
         let (elements, dofs) = (mesh.len(), 2 * mesh.degree.iter().sum::<usize>());
-        // many edges: more elements than requested, and one mesh twice
+        // with many edges a mesh has more elements than requested, and may occur twice
         if dofs > scene.method.max_dofs() || points.iter().any(|p| (p.elements, p.degree) == (elements, degree)) {
             continue;
         }

@@ -1,11 +1,11 @@
-//! Where boundary elements could fail and do not: nearly incompressible material, degenerate scales of the single layer,
-//! stabilised multipliers near the limit of their parameter.
+//! Cases in which boundary elements could fail and do not: nearly incompressible material, degenerate scales of the
+//! single layer, stabilised multipliers near the limit of their parameter.
 //!
 //! ```text
 //! settings ─► incompressible (errors over ν), single_layer (eigenvalues over size), stabilisation (γ₀) ─► Stability
 //! Stability ─► report, draw
 //! ```
-//! Each part is a file: what it computes, and the columns of its table.
+//! Each part is a file with its computation and the columns of its table.
 
 mod incompressible;
 mod beside;
@@ -29,8 +29,7 @@ pub use report::report;
 pub use single_layer::{SingleLayer, Spectrum, single_layer};
 pub use stabilisation::{Critical, Stabilisation, WithGamma, stabilisation};
 
-/// Tolerance of the scene: the errors of coarse uniform meshes are measured, for which references of 1/50 of it are fine
-/// enough.
+/// Tolerance of the scene: references with 1/50 of it are fine enough for the errors of coarse uniform meshes.
 const TOLERANCE: f64 = 1e-3;
 
 /// A finished study.
@@ -52,8 +51,8 @@ pub struct Stability<'a> {
     pub interrupted: bool,
 }
 
-/// The settings of the study: its tolerance and those of [`crate::settings()`]. `method` is that of the scene, overrides
-/// included.
+/// The settings of the study: its tolerance and those of [`crate::settings()`]. `method` is the method of the scene,
+/// overrides included.
 pub fn settings(method: &Method) -> Vec<Setting> {
     let mut all = crate::settings(&Method { tolerance: Some(TOLERANCE), ..*method });
     all.push(Setting::Tolerance(TOLERANCE));
@@ -63,7 +62,7 @@ pub fn settings(method: &Method) -> Vec<Setting> {
 /// All parts of the study, beside results of other methods.
 ///
 /// # Errors
-/// Those of [`incompressible`] and [`single_layer`].
+/// As [`incompressible`] and [`single_layer`].
 pub fn study<'a>(
     scene: &'a Scene,
     source: &'a Source,

@@ -100,7 +100,7 @@ fn body(study: &Stability<'_>) -> String {
 /// Width of the names in front of lines.
 const NAME: usize = 26;
 
-/// A number a ratio.
+/// One number for each ratio.
 fn numbers(text: &mut String, name: &str, values: impl Iterator<Item = f64>) {
     line(text, (name, NAME), values.map(|v| show::number(v, |v| format!("{v:.2e}"))));
 }
@@ -108,7 +108,7 @@ fn numbers(text: &mut String, name: &str, values: impl Iterator<Item = f64>) {
 /// The printed quantities of the meshes: a name and a value.
 type Quantity<T> = (&'static str, fn(&T) -> f64);
 
-/// Two quantities of some meshes, a line each.
+/// Two quantities of some meshes, one line each.
 fn by_mesh<'p, T: 'p, I: Iterator<Item = &'p T>>(
     text: &mut String,
     quantities: [Quantity<T>; 2],

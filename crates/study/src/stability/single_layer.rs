@@ -6,8 +6,8 @@
 //! two unit vectors. With γ the eigenvalues of Bᵀ V_d⁻¹ B, which no size changes, V_L is singular where
 //! 1 + c_V κ log(L/d) γ = 0: for L = 1 at the diameters d = exp(1/(c_V κ γ)).
 //!
-//! Eigenvalues are those of V with rows and columns over the square roots of the diagonal of V_d: numbers without a unit,
-//! of the same signs, that do not become small with the elements.
+//! Eigenvalues are those of V with rows and columns over the square roots of the diagonal of V_d: dimensionless numbers
+//! of the same signs, which do not become small with the elements.
 //!
 //! Source: Steinbach (2004).
 
@@ -20,14 +20,15 @@ use steklov_problem::Scene;
 use crate::table::Column;
 use crate::watch::Watch;
 
-/// Traction unknowns of the mesh, about; a body of many edges gets fewer layers at its corners.
+/// Approximate largest number of traction unknowns of the mesh; a body with many edges gets fewer layers at its
+/// corners.
 const UNKNOWNS: usize = 720;
 /// Ratio of the layers; degrees rise by one from each to the next.
 const RATIO: f64 = 0.15;
-/// Layers at most: degenerate sizes to eight digits.
+/// Largest number of layers, which gives degenerate sizes to eight digits.
 const LAYERS: usize = 8;
 
-/// Diameters: this number in an octave, for this number of octaves on either side of the first degenerate one.
+/// Diameters: `PER_OCTAVE` per octave, for `OCTAVES` octaves on either side of the first degenerate diameter.
 const PER_OCTAVE: i32 = 6;
 const OCTAVES: i32 = 3;
 
@@ -38,7 +39,7 @@ pub struct Spectrum {
     pub diameter: f64,
     /// The two smallest eigenvalues of the scaled V for L = 1.
     pub unit: [f64; 2],
-    /// The smallest for L = d.
+    /// The smallest eigenvalue for L = d.
     pub own: f64,
 }
 
@@ -72,8 +73,7 @@ impl SingleLayer {
     }
 }
 
-/// Eigenvalues for bodies of the scene's shape and material. After a wish to stop no more
-/// sizes are done.
+/// Eigenvalues for bodies of the scene's shape and material. After a request to stop no more sizes are done.
 ///
 /// # Errors
 /// [`BemError::SingleLayerIndefinite`] if V is not positive definite for L = d: too many digits are lost.
@@ -96,10 +96,10 @@ pub fn single_layer(scene: &Scene, watch: &mut Watch<'_>) -> Result<SingleLayer,
     Ok(all)
 }
 
-/// Graded towards all corners, as far as the number of unknowns and the shortest edges allow.
+/// A mesh graded towards all corners, as far as the number of unknowns and the shortest edges allow.
 fn mesh(polygon: &Polygon) -> Mesh {
     let edges = polygon.edges().len();
-    // an edge has a corner at both ends, and two unknowns a degree
+    // an edge has a corner at both ends, and two unknowns per degree
     let unknowns = |layers: usize| 2 * edges * (layers + 1) * (layers + 2);
     let layers = (0..LAYERS).take_while(|layers| unknowns(layers + 1) <= UNKNOWNS).count();
     let corners: Vec<(usize, f64)> = (0..edges).map(|k| (k, 0.0)).collect();
@@ -114,7 +114,7 @@ fn scaled(mesh: &Mesh, factor: f64) -> Mesh {
     mesh
 }
 
-/// Some an octave, and some close to the degenerate ones.
+/// Some diameters in each octave, and some close to the degenerate ones.
 fn diameters(degenerate: [f64; 2]) -> Vec<f64> {
     let steps = PER_OCTAVE * OCTAVES;
     let around = |k: i32| degenerate[0] * 2f64.powf((f64::from(k) + 0.5) / f64::from(PER_OCTAVE));
@@ -177,7 +177,8 @@ mod tests {
         degenerate(&mesh, &Space::new(&mesh), &Material::new(7.0, poisson, Plane::Strain).unwrap()).unwrap()
     }
 
-    /// Root finding in a prototype on graded meshes: side 2.21318821 of a square, twice; 2.3124252 and 2.5038137 of an L.
+    /// Values of root finding in a prototype on graded meshes: side 2.21318821 of a square, twice; 2.3124252 and
+    /// 2.5038137 of an L.
     #[test]
     fn degenerate_sizes_are_those_of_root_finding() {
         let square = polygon(&[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]]);

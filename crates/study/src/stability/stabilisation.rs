@@ -31,7 +31,7 @@ const MESHES: [(&[usize], usize); 8] = [
 ];
 /// Meshes of the errors.
 const ERROR_MESHES: [(usize, usize); 3] = [(2, 1), (2, 2), (2, 4)];
-/// Relative error of the solution that they are measured against.
+/// Relative error of the reference for the errors.
 const SHARP: f64 = 2e-4;
 /// γ₀ over its critical value.
 const RATIOS: [f64; 9] = [1e-4, 1e-3, 1e-2, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99];
@@ -48,7 +48,7 @@ pub struct Critical {
     pub degree: usize,
     /// Displacement unknowns.
     pub dofs: usize,
-    /// Critical γ₀ (1/stress); NaN if it was not found.
+    /// Critical γ₀ (1/stress); NaN if not found.
     pub gamma: f64,
     /// γ₀ E.
     pub gamma_young: f64,
@@ -114,7 +114,7 @@ impl Stabilisation {
         self.failures().next().is_none()
     }
 
-    /// What failed, and where.
+    /// The failures, each with its place.
     pub fn failures(&self) -> impl Iterator<Item = (String, &str)> {
         let reference = self.failure.as_deref().map(|why| ("reference".to_owned(), why));
         let critical = self.critical.iter().filter_map(|c| {
@@ -132,7 +132,7 @@ impl Stabilisation {
         distinct(self.critical.iter().map(|c| c.degree))
     }
 
-    /// Their numbers of elements, rising.
+    /// Numbers of elements of the critical γ₀, rising.
     pub(super) fn elements(&self) -> Vec<usize> {
         distinct(self.critical.iter().map(|c| c.elements))
     }
@@ -150,8 +150,8 @@ impl Stabilisation {
     }
 }
 
-/// Critical γ₀ and errors on some uniform meshes; None without contact. Meshes with more unknowns than the scene allows are
-/// left out. After a wish to stop no more meshes are done.
+/// Critical γ₀ and errors on some uniform meshes; None without contact. Meshes with more unknowns than the scene allows
+/// are left out. After a request to stop no more meshes are done.
 pub fn stabilisation(scene: &Scene, watch: &mut Watch<'_>) -> Option<Stabilisation> {
     let sides = contact_sides(scene);
     if sides.is_empty() {

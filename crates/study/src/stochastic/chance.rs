@@ -1,7 +1,7 @@
-//! Errors of means and variances on one mesh, rule by rule in chance.
+//! Errors of means and variances on one mesh, for each stochastic rule.
 //!
-//! A component of a vector (`.x`, `.y`) is judged against the whole vector: one that symmetry makes zero has no size of its
-//! own.
+//! A component of a vector (`.x`, `.y`) is compared with the whole vector, because a component that symmetry makes zero
+//! has no size of its own.
 
 use std::sync::atomic::Ordering;
 
@@ -31,7 +31,7 @@ pub struct Quantity {
     pub variance: f64,
     /// How far mean and variance may be off, over the scales: the change from the rule before the reference.
     pub uncertainty: [f64; 2],
-    /// The scales of the errors: (mean² + variance)^½, and the variance; of the whole vector for a component.
+    /// The scales of the errors: (mean² + variance)^½, and the variance; for a component, those of the whole vector.
     pub scale: [f64; 2],
 }
 
@@ -49,7 +49,7 @@ pub struct Measured {
     pub family: usize,
     /// Number in [`Chance::quantities`].
     pub quantity: usize,
-    /// The rule's degree, elements, tolerance, level or samples.
+    /// Degree, elements, tolerance, level or samples of the rule.
     pub parameter: f64,
     /// Points that were solved.
     pub solves: usize,
@@ -57,7 +57,7 @@ pub struct Measured {
     pub moments: [f64; 2],
     /// Their errors over the scales.
     pub errors: [f64; 2],
-    /// Standard errors of both over the scales; NaN except for Monte Carlo.
+    /// Standard errors of mean and variance over the scales; NaN except for Monte Carlo.
     pub standard_errors: [f64; 2],
     /// Iterations of the contact solver.
     pub iterations: f64,
@@ -91,7 +91,7 @@ pub(super) const QUANTITIES: [Column<Quantity>; 6] = [
     ("variance_scale", "square of the quantity", "what errors of variances are relative to", |q| q.scale[1]),
 ];
 
-/// The cost of the outcomes by the scene's own rule beside one deterministic solve of the same mesh.
+/// The cost of the outcomes of the scene's own rule, and of one deterministic solve of the same mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// Outcomes that were solved.
@@ -111,13 +111,13 @@ pub struct Cost {
 pub struct Chance {
     /// Displacement unknowns of the mesh.
     pub dofs: usize,
-    /// Its estimated error, relative, energy norm; NaN if there is none.
+    /// Estimated error of the mesh, relative, energy norm; NaN if there is none.
     pub estimate: f64,
-    /// The reference in words, and the outcomes that it took.
+    /// The reference in words.
     pub reference: String,
     /// Outcomes of the reference.
     pub solves: usize,
-    /// The quantities; empty after a wish to stop.
+    /// The quantities; empty after a request to stop.
     pub quantities: Vec<Quantity>,
     /// Points by family, rule and quantity.
     pub points: Vec<Measured>,
@@ -139,11 +139,10 @@ impl Chance {
     }
 }
 
-/// Solves by all rules on the last mesh of a run. After a wish to stop no more rules are
-/// tried.
+/// Solves by all rules on the last mesh of a run. After a request to stop no more rules are tried.
 ///
 /// # Errors
-/// Those of the reference: an outcome that is impossible, a quantity that is no number of the result.
+/// The errors of the reference: an impossible outcome, a quantity that is no number of the result.
 pub fn chance(
     scene: &Scene,
     random: &Random,
@@ -201,7 +200,7 @@ pub fn chance(
     Ok(chance)
 }
 
-/// Solves by the reference, and by the rule before it.
+/// Solves by the reference rule and by the rule before it.
 fn judge(
     scene: &Scene,
     random: &Random,
@@ -213,7 +212,7 @@ fn judge(
     watch.tell("reference in chance", &rule.name);
     let before = solve(&rule.before)?;
     let names: Vec<String> = before.quantities.iter().map(|q| q.name.clone()).collect();
-    // a component's other one stands behind all quantities
+    // the other component of a vector comes after all quantities
     let other = |name: &String| match (name.strip_suffix(".x"), name.strip_suffix(".y")) {
         (Some(vector), _) => Some(format!("{vector}.y")),
         (_, Some(vector)) => Some(format!("{vector}.x")),
@@ -267,7 +266,7 @@ impl Chance {
         }
     }
 
-    /// Monte Carlo: the first samples are those of a shorter run.
+    /// Adds Monte Carlo runs of several lengths: the first samples of a run are a shorter run.
     fn add_samples(&mut self, rule: &Rule, result: &StochasticResult) -> Result<(), SolveError> {
         let all = result.points.len();
         for (k, q) in result.quantities.iter().enumerate() {

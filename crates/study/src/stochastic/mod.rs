@@ -1,11 +1,11 @@
-//! How the answers of a scene with random input converge, in chance and in space, and what its solvers cost.
+//! Convergence of the answers of a scene with random input, in chance and in space, and the cost of its solvers.
 //!
 //! ```text
 //! settings ─► Chance (rules on the last mesh against a finer one)     ─┐
 //!             Space (strategies against the end of an hp one)          ├─► Stochastic ─► report, draw
 //!             Solvers (of contact, mesh by mesh)                       ─┘
 //! ```
-//! Each part is a file: what it computes, and the columns of its table.
+//! Each part is a file with its computation and the columns of its table.
 
 mod chance;
 mod rules;
@@ -44,10 +44,10 @@ pub struct Stochastic<'a> {
     pub interrupted: bool,
 }
 
-/// What is random in a scene.
+/// The random input of a scene.
 ///
 /// # Errors
-/// A scene in which nothing is.
+/// A scene without random input.
 pub fn random(scene: &Scene) -> Result<&Random, DataError> {
     scene.random.as_ref().ok_or_else(|| {
         let message = "the study is about random input, and no datum of the scene uses any".to_owned();
@@ -61,7 +61,7 @@ pub fn random(scene: &Scene) -> Result<&Random, DataError> {
 /// All parts of the study: chance on the last mesh of an adaptive run, space, solvers.
 ///
 /// # Errors
-/// Those of the run, of [`chance`], [`space`] and [`solvers`].
+/// The errors of the run, of [`chance`], [`space`] and [`solvers`].
 pub fn study<'a>(
     scene: &'a Scene,
     source: &'a Source,
@@ -84,7 +84,7 @@ impl Stochastic<'_> {
         !self.interrupted && self.failures().next().is_none()
     }
 
-    /// What failed, and why.
+    /// The failures, each with its reason.
     fn failures(&self) -> impl Iterator<Item = &(String, String)> {
         self.chance.failures.iter().chain(&self.space.failures)
     }

@@ -165,7 +165,7 @@ fn chance(text: &mut String, all: &Chance) {
     }
 }
 
-/// Errors of the quantities that are shown, rule by rule.
+/// Errors of the shown quantities, rule by rule.
 fn rules(text: &mut String, all: &Chance) {
     let shown = all.shown();
     let heads: String = shown.iter().map(|&k| format!(" {:>19}", tail(&all.quantities[k].name, 19))).collect();
@@ -189,7 +189,7 @@ fn rules(text: &mut String, all: &Chance) {
     }
 }
 
-/// The end of a text that is too long.
+/// The last `most` characters of a text.
 fn tail(text: &str, most: usize) -> String {
     let skipped = text.chars().count().saturating_sub(most);
     text.chars().skip(skipped).collect()

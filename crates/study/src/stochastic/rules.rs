@@ -1,9 +1,9 @@
-//! The rules in chance that are compared, and the finer one that judges them.
+//! The stochastic rules of the study, and the finer rule that is their reference.
 
 use steklov_plan::points;
 use steklov_problem::{Random, Sampling, Scene, Stochastic};
 
-/// Families of rules: the name, and what changes from rule to rule.
+/// Families of rules: the name, and the parameter that changes from rule to rule.
 pub const FAMILIES: [(&str, &str); 6] = [
     ("one element of degree q", "degree"),
     ("elements of degree 1", "elements"),
@@ -12,18 +12,19 @@ pub const FAMILIES: [(&str, &str); 6] = [
     ("sparse grid", "level"),
     ("Monte Carlo", "samples"),
 ];
-/// Monte Carlo's number among them.
+/// Number of Monte Carlo in [`FAMILIES`].
 pub(super) const MONTE_CARLO: usize = 5;
-/// That of adaptive meshes.
+/// Number of adaptive meshes in [`FAMILIES`].
 pub(super) const ADAPTED: usize = 3;
 
 /// Largest number of solves of a rule.
 pub(super) const LIMIT: f64 = 2000.0;
-/// Germs beyond which Monte Carlo is limited so too.
+/// With more germs than this, Monte Carlo has the same limit.
 const FEW: usize = 3;
 /// Largest number of nodes of a stochastic element if they are coupled.
 const COUPLED: f64 = 32.0;
-/// Largest number of nodes of a reference; of germs of an adaptive one, and the degree of one on one element.
+/// Largest number of nodes of a reference, of germs of an adaptive reference, and the largest degree of one on one
+/// element.
 const REFERENCE: usize = 5000;
 const ADAPTIVE: usize = 2;
 const DEGREE: usize = 11;
@@ -35,7 +36,7 @@ pub(super) struct Rule {
     pub(super) family: usize,
     /// Its degree, elements, tolerance, level or samples.
     pub(super) parameter: f64,
-    /// How to solve.
+    /// Its settings.
     pub(super) settings: Stochastic,
 }
 
@@ -66,20 +67,20 @@ fn sparse(random: &Random, level: usize) -> Stochastic {
     Stochastic { method: Sampling::Sparse, level, ..random.stochastic.clone() }
 }
 
-/// The random input treated in another way.
+/// The random input with other settings.
 pub(super) fn with(random: &Random, settings: Stochastic) -> Random {
     let mut random = random.clone();
     random.stochastic = settings;
     random
 }
 
-/// How many points settings have.
+/// Number of points of some settings.
 pub(super) fn count(scene: &Scene, random: &Random, settings: &Stochastic) -> f64 {
     points(scene, &with(random, settings.clone()))
 }
 
-/// Adaptive for one or two germs; else the tensor rule of the highest affordable degree, if that is two degrees above the
-/// scene's; else the finest affordable sparse grid. All are collocation, which every method here tends to.
+/// Adaptive for one or two germs; else the tensor rule of the highest affordable degree, if that is two degrees above
+/// the scene's; else the finest affordable sparse grid. All are collocation, the limit of every method here.
 pub(super) fn reference(scene: &Scene, random: &Random) -> Finest {
     if random.germs.len() <= ADAPTIVE {
         let rule = |tolerance| adaptive(random, tolerance, REFERENCE);
@@ -104,8 +105,8 @@ pub(super) fn reference(scene: &Scene, random: &Random) -> Finest {
     }
 }
 
-/// All rules, family by family from coarse to fine; those that would take too long, or are as fine as the reference, are
-/// left out. `coupled`: Galerkin's nodes are.
+/// All rules, family by family from coarse to fine; rules that would take too long, or are as fine as the reference,
+/// are left out. `coupled`: whether the nodes of the Galerkin method are coupled.
 pub(super) fn rules(scene: &Scene, random: &Random, reference: &Stochastic, coupled: bool) -> Vec<Rule> {
     let germs = random.germs.len();
     let mut rules = Vec::new();
@@ -142,19 +143,19 @@ pub(super) fn rules(scene: &Scene, random: &Random, reference: &Stochastic, coup
     rules
 }
 
-/// The numbers of samples at which Monte Carlo is judged: 10, 30, 100, ... and the last.
+/// The numbers of samples at which Monte Carlo is evaluated: 10, 30, 100, ... and the last.
 pub(super) fn prefixes(samples: usize) -> Vec<usize> {
     let all = (1..).flat_map(|k| [10usize.pow(k), 3 * 10usize.pow(k)]);
     all.take_while(|n| *n < samples).chain([samples]).collect()
 }
 
-/// One outcome: the middle one of every germ.
+/// One outcome: the middle of every germ.
 pub(super) fn single(random: &Random) -> Stochastic {
     tensor(random, 1, 0)
 }
 
-/// The rule for errors in space, and its name: the scene's, but a sparse grid of level 2 instead of samples or of more
-/// points than a study can take.
+/// The rule for errors in space, and its name: the scene's own, but a sparse grid of level 2 in place of samples or of
+/// too many points.
 pub(super) fn settled(scene: &Scene, random: &Random) -> (Stochastic, String) {
     let own = &random.stochastic;
     if own.method == Sampling::MonteCarlo || count(scene, random, own) > LIMIT {

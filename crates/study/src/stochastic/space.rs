@@ -1,8 +1,8 @@
 //! Errors of the mean energy and of the mean of the energy norm squared over the unknowns in space.
 //!
-//! All strategies begin on the scene's first mesh; the reference is the last step of the hp one, which goes on to a smaller
-//! tolerance, with the scene's rule in chance. With one outcome, the middle one (q = 0), errors in space are seen until the
-//! one in chance is larger.
+//! All strategies begin on the scene's first mesh; the reference is the last step of the hp strategy, which continues
+//! to a smaller tolerance, with the scene's stochastic rule. With one outcome, the middle one (q = 0), errors in space
+//! are visible until the stochastic error is larger.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -18,7 +18,7 @@ use crate::fit::{Fit, Law, fit};
 use crate::table::Column;
 use crate::watch::Watch;
 
-/// Curves: the name, the strategy, whether with one outcome only, the law of the errors.
+/// Curves: the name, the strategy, whether it has one outcome only, the law of the errors.
 pub const CURVES: [(&str, Refine, bool, Law); 4] = [
     ("uniform-h, p = 1, q = 0", Refine::UniformH, true, Law::Algebraic),
     ("uniform-h, p = 1", Refine::UniformH, false, Law::Algebraic),
@@ -30,14 +30,14 @@ pub const CURVES: [(&str, Refine, bool, Law); 4] = [
 const PATHS: [&str; 2] = ["energy", "strain_energy"];
 /// The tolerance of the reference is this part of the scene's.
 const FINER: f64 = 0.01;
-/// Steps of the hp strategy are judged that have at most this part of the reference's unknowns.
+/// A step of the hp strategy has an error if it has at most this part of the reference's unknowns.
 const COARSER: f64 = 0.7;
 /// A law is reported if it fits this well (R²).
 const FITS: f64 = 0.9;
 /// Highest degree of uniform-p.
 const MAX_DEGREE: usize = 10;
 
-/// A mesh with a rule in chance.
+/// A mesh with a stochastic rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// Number in [`CURVES`].
@@ -56,7 +56,7 @@ pub struct Point {
     pub iterations: usize,
     /// Means of J and of ⟨u, Su⟩.
     pub means: [f64; 2],
-    /// Their relative errors; NaN where the reference is not finer.
+    /// Their relative errors; NaN if the reference is not finer.
     pub errors: [f64; 2],
     /// Wall seconds of a deterministic solve: set-up, assembly, factorisation, contact.
     pub deterministic: f64,
@@ -87,13 +87,13 @@ pub(super) const POINTS: [Column<Point>; 12] = [
 pub struct Space {
     /// Points by curve and mesh.
     pub points: Vec<Point>,
-    /// The last step of the hp strategy; none after a wish to stop.
+    /// The last step of the hp strategy; None after a request to stop.
     pub reference: Option<Point>,
     /// How far its means may be off, relative: their change from the step before.
     pub uncertainty: [f64; 2],
     /// Strategies that failed, and why.
     pub failures: Vec<(String, String)>,
-    /// The rule in chance in words.
+    /// The stochastic rule in words.
     pub rule: String,
 }
 
@@ -103,8 +103,8 @@ impl Space {
         self.points.iter().filter(move |p| p.curve == curve)
     }
 
-    /// The law of the errors of a curve: 0 for J, 1 for ⟨u, Su⟩; none with one outcome, where they do not tend to 0, and
-    /// where it fits badly.
+    /// The law of the errors of a curve: 0 for J, 1 for ⟨u, Su⟩; None with one outcome, because errors then do not tend
+    /// to 0, and if it fits badly.
     pub fn law(&self, curve: usize, which: usize) -> Option<Fit> {
         let (_, _, single, law) = CURVES[curve];
         let errors: Vec<(usize, f64)> = self.of(curve).map(|p| (p.dofs, p.errors[which])).collect();
@@ -112,11 +112,10 @@ impl Space {
     }
 }
 
-/// Runs the strategies, with all outcomes on each of their meshes. After a wish to stop
-/// nothing more is solved.
+/// Runs the strategies, with all outcomes on each of their meshes. After a request to stop nothing more is solved.
 ///
 /// # Errors
-/// Those of the first mesh.
+/// The errors of the first mesh.
 pub fn space(scene: &Scene, random: &Random, watch: &mut Watch<'_>) -> Result<Space, SolveError> {
     let (settings, rule) = settled(scene, random);
     let mut space = Space { rule, ..Space::default() };
@@ -212,7 +211,7 @@ fn point(
 }
 
 impl Space {
-    /// Takes the last hp step for the truth of the others.
+    /// Computes the errors of all points against the last hp step.
     fn judge(&mut self) {
         let hp = CURVES.len() - 1;
         let Some(&truth) = self.points.iter().rfind(|p| p.curve == hp) else { return };
