@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use steklov_document::steklov_problem::{DataErrorKind, Scene};
 use steklov_document::{SceneError, SceneErrorKind, TEMPLATE, parse, reference, schema};
 
-/// Scenes with the keys that none of the gallery has.
+/// Scenes with the keys that no scene of the gallery has.
 const MORE: [&str; 7] = [
     r#"
     title = "Ellipse with holes"

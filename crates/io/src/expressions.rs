@@ -100,7 +100,7 @@ impl Numbered {
         self.get(at, name, number)?.ok_or_else(|| invalid(at, name, "an expression is wanted"))
     }
 
-    /// Both components, or none where the first one is none.
+    /// Both components; None if both numbers are 0.
     pub(crate) fn pair(&self, at: &Group, name: &str, pair: [usize; 2]) -> Result<Option<[Expression; 2]>, IoError> {
         match pair {
             [0, 0] => Ok(None),

@@ -211,7 +211,7 @@ fn a_small_file_asks_for_little_memory() {
     let error = create_atomically(&path, false, |file| save(file, "value", &stairs(2048))).unwrap_err();
     assert!(matches!(error, IoError::Write { .. }) && error.to_string().contains("for 2048 coarse cells"), "{error}");
     drop(folder);
-    // cells that are as many as the rectangles are always read
+    // a file with as many cells as rectangles is always read
     let grid = Grid::rectangle([1.0, 1.0], [2100, 2000]).unwrap();
     let all = CoarseMesh::uniform(&grid, [1, 1]).unwrap();
     let (_folder, file) = crate::common::written(|file| save(file, "value", &all));

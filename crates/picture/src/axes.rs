@@ -68,7 +68,7 @@ impl Axes {
     }
 
     /// Draws frame, ticks, labels and titles; with `grid` light lines at the ticks. Without an x title there are no x
-    /// labels. The y title stands at the left end of `left_margin`.
+    /// labels. The y title is at the left end of `left_margin`.
     pub fn draw(&self, canvas: &mut Canvas, x_title: Option<&str>, y_title: &str, left_margin: f64, grid: bool) {
         let f = self.frame;
         let (x, y) = (self.x_ticks(), self.y_ticks());

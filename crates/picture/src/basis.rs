@@ -20,7 +20,7 @@ pub struct BasisFunction<'a> {
     pub y: &'a [f64],
 }
 
-/// Draws the components of functions side by side, a row for each function and colours of its own for each component.
+/// Draws the components of functions side by side, a row for each function; each component has its own colours.
 ///
 /// The colours run to the largest value, from the smallest value if it is negative or if the values vary by less than
 /// half of the largest, else from 0. A component whose values are all below 1e-12 of the other's largest counts as 0.

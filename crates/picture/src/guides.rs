@@ -39,7 +39,7 @@ impl Slope<'_> {
     }
 }
 
-/// The free place in the frame that is nearest to a curve, for a triangle that rises `slope` pixels a pixel.
+/// The free place in the frame that is nearest to a curve, for a triangle that rises `slope` pixels per pixel.
 ///
 /// None if no place is free or the slope is too steep for a triangle.
 pub(super) fn place<'a>(

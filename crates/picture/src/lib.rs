@@ -1,6 +1,6 @@
 //! Pictures of a solution, each as SVG text and as PNG bytes drawn from one list of shapes.
 //!
-//! Frame 900 units wide, PNG at two pixels a unit, letters from the font that kuva bundles: no display, no installed
+//! Frame 900 units wide, PNG at two pixels per unit, letters from the font that kuva bundles: no display, no installed
 //! font and no browser is needed. Every curve that has a meaning of its own differs by line style or marker too, and
 //! the colour map rises in lightness, so all pictures can be read in grey.
 //!

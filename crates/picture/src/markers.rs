@@ -1,4 +1,4 @@
-//! Markers that can be told apart in grey, filled or open, and the colours and dashes of curves.
+//! Markers that are distinct in grey, filled or open, and the colours and dashes of curves.
 
 use super::canvas::{Canvas, Pen};
 use kuva::render::color::Color;
@@ -86,7 +86,7 @@ pub(super) fn mark(canvas: &mut Canvas, k: usize, centre: [f64; 2], r: f64, colo
     let inside = if open { Color::Rgb(255, 255, 255) } else { colour.clone() };
     canvas.fill(std::slice::from_ref(&corners), inside);
     if open {
-        // The second corner once more joins the ends.
+        // Repeating the second corner joins the ends.
         let closed = [&corners[..], &corners[..2]].concat();
         canvas.lines(&[closed], &Pen::solid(colour, 1.3));
     }

@@ -68,9 +68,9 @@ pub struct MeshFigure<'a> {
 /// the higher), with the degree in figures at elements that are long enough.
 ///
 /// Sides that have an element shorter than 2 % of them in one of the meshes (at most eight of them, the most refined
-/// ones) are drawn beside each body once more, with elements of equal width: the degrees as bars upwards, the lengths
-/// as bars downwards on a logarithmic axis. Linear elements have lengths alone. Meshes without such sides stand in rows
-/// of up to three.
+/// ones) are drawn again beside each body, with elements of equal width: the degrees as bars upwards, the lengths as
+/// bars downwards on a logarithmic axis. Linear elements have lengths alone. Meshes without such sides are in rows of
+/// up to three.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.

@@ -115,7 +115,7 @@ fn entry_width(layer: &Layer) -> f64 {
     BESIDE + text_width(&layer.name, TICK_TEXT)
 }
 
-/// The entries of the key in as few rows as they need.
+/// The entries of the key in as few rows as possible.
 fn rows(layers: &[Layer]) -> Vec<Vec<&Layer>> {
     let mut rows: Vec<Vec<&Layer>> = Vec::new();
     let mut room = 0.0;

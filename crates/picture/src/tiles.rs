@@ -128,7 +128,7 @@ pub fn boxes(
         let text = format!("{} × {}", b.degree[0], b.degree[1]);
         let width = text_width(&text, TICK_TEXT) + 4.0;
         if high[0] - low[0] > width + 6.0 && low[1] - high[1] > 28.0 {
-            // in the upper left corner, on a ground of its own
+            // in the upper left corner, on its own ground
             let (l, t) = (low[0] + 3.0, high[1] + 3.0);
             canvas.fill(&[vec![[l, t], [l + width, t], [l + width, t + 17.0], [l, t + 17.0]]], WHITE);
             canvas.text([l + width / 2.0, t + 13.0], &text, TICK_TEXT, TextAnchor::Middle);

@@ -41,7 +41,7 @@ pub(super) fn upright([x, y]: [f64; 2], content: &str, size: u32) -> Result<Prim
     Ok(Primitive::RectBatch { x: at_x, y: at_y, w, h, fills })
 }
 
-/// Width and pixels, row by row from the top, of a PNG with four bytes a pixel, on white.
+/// Width and pixels, row by row from the top, of a PNG with four bytes per pixel, on white.
 pub(super) fn pixels(png: &[u8]) -> Result<(usize, Vec<[u8; 3]>), PictureError> {
     let failed = |error: png::DecodingError| PictureError::Raster(error.to_string());
     let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().map_err(failed)?;

@@ -62,7 +62,7 @@ impl<'a, M: Keep> StepQueue<'a, M> {
         Self { file, waiting: Mutex::default(), written: Mutex::new(Ok(0)) }
     }
 
-    /// The next step of the run. One call of [`Self::write_next`] has to follow.
+    /// Adds the next step of the run. One call of [`Self::write_next`] must follow.
     pub fn push(&self, step: Step<M>) {
         lock(&self.waiting).push_back(step);
     }

@@ -136,7 +136,7 @@ impl Reference {
         self.levels.last().unwrap_or_else(|| unreachable!("a reference has a level"))
     }
 
-    /// (|J - J_ref|/|J_ref|)^½; NaN where J_ref = 0.
+    /// (|J - J_ref|/|J_ref|)^½; NaN if J_ref = 0.
     pub fn energy_error(&self, energy: f64) -> f64 {
         ((energy - self.energy).abs() / self.energy.abs()).sqrt()
     }

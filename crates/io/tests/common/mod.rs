@@ -170,7 +170,7 @@ fn damage(group: &Group, name: &str, damage: Damage) -> bool {
     true
 }
 
-/// Stores `value` and changes each of its datasets in turn, in each way: reading has to refuse the file by an error
+/// Stores `value` and changes each of its datasets in turn, in each way: reading must refuse the file with an error
 /// that names it and the group. `free` are the datasets of which an entry may have any finite value, or that may be any
 /// text. Returns the number of damaged files.
 pub fn check_damage_is_refused<T: Persist>(value: &T, free: &[&str]) -> usize {

@@ -159,7 +159,7 @@ pub(crate) fn read(file: &File, fields: &vtkhdf::Grid) -> Result<GridRecord, IoE
     Ok(GridRecord { body, coarse, vertex_displacement, steps })
 }
 
-/// Cells, moduli and material; the moduli are those of the fields.
+/// Cells, moduli and material; the moduli come from the fields.
 fn load_body(at: &Group, fields: &vtkhdf::Grid) -> Result<HeterogeneousBody, IoError> {
     let pair = |name: &str| -> Result<[f64; 2], IoError> {
         let values = load_vector(at, name)?;

@@ -14,7 +14,7 @@ const CELL: &str = "coarse cell";
 const FINE: &str = "fine unknown: 2 fine node + component";
 const COARSE: &str = "coarse unknown: 2 coarse vertex that does not hang + component";
 
-/// Bases, cells, C, P and K; the meaning of `P` has the formula of the coarse stiffness.
+/// Bases, cells, C, P and K; the attribute `meaning` of `P` has the formula of the coarse stiffness.
 pub(super) fn save_basis(step: &Group, problem: &Multiscale<'_>) -> Result<(), IoError> {
     let at = create_group(step, BASIS)?;
     let failed = |name: &str, e: MsfemError| invalid(&at, name, e.to_string());

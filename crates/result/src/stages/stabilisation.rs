@@ -12,7 +12,7 @@ const DISPLACEMENT: &str = "displacement unknown: nodes in the order of /solutio
 const NODE: &str = "multiplier node";
 const POINT: &str = "quadrature point";
 
-/// The equations, their data and their solution; the meaning of `S` and `multipliers` has the formulas.
+/// The equations, their data and their solution; the attribute `meaning` of `S` and `multipliers` has the formulas.
 pub(super) fn save_system(step: &Group, system: &StabilisedSystem<'_>) -> Result<(), IoError> {
     let StabilisedSystem { forms, stiffness, load, held, particular, contact } = system;
     let at = create_group(step, STABILISATION)?;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! /reference             J, its uncertainty, dofs and estimates of the fine meshes
-//! /strategies/NAME       columns with an entry a step, `reason`, `message`
+//! /strategies/NAME       columns with an entry per step, `reason`, `message`
 //!   fits/LAW             rate, r_squared, points
 //!   steps/NNN/mesh       mesh and degrees of each step
 //!   contact              contact table of the last step

@@ -267,7 +267,7 @@ impl Round {
     }
 }
 
-/// The residual estimator of a step; None where the scene has none.
+/// The residual estimator of a step; None if the scene has none.
 fn residual(scene: &Scene, solved: &Solved, step: &Step<BoundaryElements>) -> Result<Option<Estimator>, SolveError> {
     if !knows_residuals(scene) {
         return Ok(None);

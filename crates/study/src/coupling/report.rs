@@ -1,14 +1,14 @@
 //! The stored and printed results of the study.
 //!
 //! ```text
-//! /pairs          columns with an entry a pair of materials
-//! /forms/NNN      `name`; columns with an entry a grid of a pair
-//! /effectivity    columns with an entry a form on a grid of a pair
+//! /pairs          columns with an entry per pair of materials
+//! /forms/NNN      `name`; columns with an entry per grid of a pair
+//! /effectivity    columns with an entry per form on a grid of a pair
 //! /contrast       the same for the scene's pair with other moduli of the body
-//! /cost           columns with an entry a grid
-//! /conditioning   columns with an entry a grid of a pair
-//! /wrong_signs    columns with an entry a system on a grid
-//! /own_loads      `norm`; columns with an entry a kind of elements on a grid
+//! /cost           columns with an entry per grid
+//! /conditioning   columns with an entry per grid of a pair
+//! /wrong_signs    columns with an entry per system on a grid
+//! /own_loads      `norm`; columns with an entry per kind of elements on a grid
 //! ```
 
 use std::fmt::Write as _;

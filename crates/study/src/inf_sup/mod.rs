@@ -57,7 +57,7 @@ pub fn check(scene: &Scene) -> Result<(), DataError> {
 /// Pressures and constants of a scene.
 ///
 /// # Errors
-/// Those of [`pressures`] and [`pairs`].
+/// As [`pressures`] and [`pairs`].
 pub fn study<'a>(scene: &'a Scene, source: &'a Source, watch: &mut Watch<'_>) -> Result<InfSup<'a>, StudyError> {
     let pressures = pressures(scene, watch)?;
     let points = pairs(scene, watch)?;

@@ -1,8 +1,8 @@
 //! The stored and printed results of the study.
 //!
 //! ```text
-//! /pairs/NNN      `name`, and columns with an entry a mesh
-//! /pressure/NNN   `gamma`, `gamma_critical`, and columns with an entry a node of the multipliers
+//! /pairs/NNN      `name`, and columns with an entry per mesh
+//! /pressure/NNN   `gamma`, `gamma_critical`, and columns with an entry per node of the multipliers
 //! ```
 
 use std::fmt::Write as _;

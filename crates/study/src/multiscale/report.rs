@@ -1,11 +1,11 @@
 //! The stored and printed results of the study.
 //!
 //! ```text
-//! /fine_grid      `source`, `limit`, `rate` (if known); columns with an entry a grid
-//! /bases/NNN      `name`; columns with an entry a coarse grid
-//! /rates          columns with an entry a basis on the scene or on a laminate
-//! /laminates      `text` of the scene; columns with an entry a basis on a coarse grid
-//! /contrast       `text` of the scene; columns with an entry a basis at a contrast
+//! /fine_grid      `source`, `limit`, `rate` (if known); columns with an entry per grid
+//! /bases/NNN      `name`; columns with an entry per coarse grid
+//! /rates          columns with an entry per basis on the scene or on a laminate
+//! /laminates      `text` of the scene; columns with an entry per basis on a coarse grid
+//! /contrast       `text` of the scene; columns with an entry per basis at a contrast
 //! ```
 
 use std::fmt::Write as _;

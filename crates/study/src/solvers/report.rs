@@ -1,8 +1,8 @@
 //! The stored and printed results of the study.
 //!
 //! ```text
-//! /solvers/NNN   `name`; columns with an entry a mesh; `history`: the measure by iteration on the finest mesh
-//! /newton        columns with an entry an iterate of the semi-smooth Newton method
+//! /solvers/NNN   `name`; columns with an entry per mesh; `history`: the measure by iteration on the finest mesh
+//! /newton        columns with an entry per iterate of the semi-smooth Newton method
 //! ```
 
 use std::fmt::Write as _;

@@ -1,10 +1,10 @@
 //! The stored and printed results of the study.
 //!
 //! ```text
-//! /incompressible/references, points   columns with an entry a ratio, or a mesh at a ratio
-//! /incompressible/beside/NNN           `name`, and columns with an entry a ratio
-//! /single_layer                        `degenerate`, `diameter`; points: columns with an entry a size
-//! /stabilisation/critical, errors      columns with an entry a mesh, or a γ₀ on a mesh; not without contact
+//! /incompressible/references, points   columns with an entry per ratio, or per mesh at a ratio
+//! /incompressible/beside/NNN           `name`, and columns with an entry per ratio
+//! /single_layer                        `degenerate`, `diameter`; points: columns with an entry per size
+//! /stabilisation/critical, errors      columns with an entry per mesh, or per γ₀ on a mesh; not without contact
 //! ```
 
 use std::fmt::Write as _;

@@ -6,8 +6,8 @@
 //! two unit vectors. With γ the eigenvalues of Bᵀ V_d⁻¹ B, which no size changes, V_L is singular where
 //! 1 + c_V κ log(L/d) γ = 0: for L = 1 at the diameters d = exp(1/(c_V κ γ)).
 //!
-//! Eigenvalues are those of V with rows and columns over the square roots of the diagonal of V_d: dimensionless numbers
-//! of the same signs, which do not become small with the elements.
+//! Eigenvalues belong to V with rows and columns divided by the square roots of the diagonal of V_d: dimensionless
+//! numbers of the same signs, which do not become small with the elements.
 //!
 //! Source: Steinbach (2004).
 

@@ -3,7 +3,7 @@
 //! ```text
 //! ⟨S v, v⟩ - ∫ γ |σ^h(v)|² > 0 for all v   if and only if   γ₀ < critical,      γ = γ₀ h/p²
 //! ```
-//! γ₀ E has no unit. Multipliers are those of degree p on the mesh of the displacements.
+//! γ₀ E has no unit. Multipliers have degree p on the mesh of the displacements.
 
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms};

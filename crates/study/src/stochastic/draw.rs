@@ -43,7 +43,7 @@ pub fn pictures(study: &Stochastic<'_>, folder: &Path) -> Result<Vec<PathBuf>, P
 /// The abscissa of errors: the end of the file's name, the label, and the value.
 type Cost<T> = (&'static str, &'static str, fn(&T) -> f64);
 
-/// Errors of mean (0) or variance (1) by all rules; standard errors where there are any.
+/// Errors of mean (0) or variance (1) by all rules; standard errors if there are any.
 fn in_chance(
     study: &Stochastic<'_>,
     quantity: usize,

@@ -1,10 +1,10 @@
 //! The stored and printed results of the study.
 //!
 //! ```text
-//! /chance              `quantities` (names), `reference`; columns with an entry a quantity
-//!   /QQQ/RRR           `rule`; columns of quantity QQQ with an entry a rule of family RRR
-//! /space/NNN           `name`; columns with an entry a mesh
-//! /solvers/NNN         `name`; columns with an entry a mesh; `history`: the measure by iteration on the finest mesh
+//! /chance              `quantities` (names), `reference`; columns with an entry per quantity
+//!   /QQQ/RRR           `rule`; columns of quantity QQQ with an entry per rule of family RRR
+//! /space/NNN           `name`; columns with an entry per mesh
+//! /solvers/NNN         `name`; columns with an entry per mesh; `history`: the measure by iteration on the finest mesh
 //! ```
 
 use std::fmt::Write as _;
