@@ -203,28 +203,25 @@ fn a_corner_of_five_degrees_converges_as_fast_as_a_right_angle() {
 /// Each limit is kept, and named: unknowns, steps, digits.
 #[test]
 fn limits_are_kept_and_named() {
-    for name in ["block-on-floor", "wedge-gap", "l-shape"] {
-        for (limit, reason) in [
-            ("method.max_dofs=200", Reason::MaxDofs),
-            ("method.max_steps=3", Reason::MaxSteps),
-            ("method.tolerance=1e-14", Reason::Roundoff),
-        ] {
-            if name == "l-shape" && reason == Reason::Roundoff {
-                continue; // thousands of unknowns
-            }
-            let scene = scene(name, &[limit]);
-            let run = adapt(&scene).unwrap_or_else(|e| panic!("{name} {limit}: {e}"));
-            let steps = &run.progress.steps;
-            println!("{name} {limit}: {} after {} steps", run.reason.word(), steps.len());
-            assert_eq!(run.reason, reason, "{name} {limit}");
-            assert!(!run.converged() && steps.len() <= scene.method.max_steps);
-            assert!(steps.iter().all(|s| s.dofs <= scene.method.max_dofs()));
-            // the limit is met no earlier than it must be
-            match reason {
-                Reason::MaxDofs => assert!(run.progress.next.dofs() > scene.method.max_dofs()),
-                Reason::MaxSteps => assert_eq!(steps.len(), scene.method.max_steps),
-                _ => assert!(run.step().estimate().relative < 1e-6, "{:e}", run.step().estimate().relative),
-            }
+    const OF_BOTH: [(&str, Reason); 2] =
+        [("method.max_dofs=200", Reason::MaxDofs), ("method.max_steps=3", Reason::MaxSteps)];
+    let named = ["block-on-floor", "wedge-gap", "l-shape"];
+    let limited = named.iter().flat_map(|name| OF_BOTH.map(|(limit, reason)| (*name, limit, reason)));
+    // with few unknowns at their last digits, with and without contact
+    let digits = ["21-hertz-block", "51-nafems-le1"].map(|name| (name, "method.tolerance=1e-14", Reason::Roundoff));
+    for (name, limit, reason) in limited.chain(digits) {
+        let scene = scene(name, &["method.refine=\"hp\"", limit]);
+        let run = adapt(&scene).unwrap_or_else(|e| panic!("{name} {limit}: {e}"));
+        let steps = &run.progress.steps;
+        println!("{name} {limit}: {} after {} steps", run.reason.word(), steps.len());
+        assert_eq!(run.reason, reason, "{name} {limit}");
+        assert!(!run.converged() && steps.len() <= scene.method.max_steps);
+        assert!(steps.iter().all(|s| s.dofs <= scene.method.max_dofs()));
+        // the limit is met no earlier than it must be
+        match reason {
+            Reason::MaxDofs => assert!(run.progress.next.dofs() > scene.method.max_dofs()),
+            Reason::MaxSteps => assert_eq!(steps.len(), scene.method.max_steps),
+            _ => assert!(run.step().estimate().relative < 1e-6, "{:e}", run.step().estimate().relative),
         }
     }
 }

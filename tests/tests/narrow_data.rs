@@ -58,10 +58,11 @@ fn solved(text: &str, tolerance: &str) -> Run<BoundaryElements> {
     adapt(&scene).unwrap_or_else(|e| panic!("{text}\n{e}"))
 }
 
-/// J of the data and the strain energy of both, and whether the first is said to be right.
-fn compared(datum: Datum, width: f64, places: &[f64]) -> (f64, f64, f64, bool) {
-    let plain = solved(&scene(datum, width, places, false), "1e-3");
-    let shown = solved(&scene(datum, width, places, true), "3e-4");
+/// J of the data and, to half of the tolerance, of those that are shown, the strain energy of these, and whether the first is said to
+/// be right.
+fn compared(datum: Datum, width: f64, places: &[f64], tolerance: f64) -> (f64, f64, f64, bool) {
+    let plain = solved(&scene(datum, width, places, false), &format!("{tolerance:e}"));
+    let shown = solved(&scene(datum, width, places, true), &format!("{:e}", tolerance / 2.0));
     assert!(matches!(shown.reason, Reason::Tolerance), "{datum:?} {width} at {places:?}: {:?}", shown.reason);
     let told = matches!(plain.reason, Reason::Tolerance) && plain.step().estimate().doubts.is_empty();
     (plain.step().estimate().energy, shown.step().estimate().energy, shown.last.energies.strain, told)
@@ -75,7 +76,7 @@ fn narrow_data_are_seen_wherever_they_are() {
     for width in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] {
         for datum in [Datum::Gap, Datum::Bound, Datum::Load, Datum::Displacement] {
             let place = random.between(0.08, 0.92);
-            let (j, exact, strain, told) = compared(datum, width, &[place]);
+            let (j, exact, strain, told) = compared(datum, width, &[place], 1e-3);
             let off = (j - exact).abs() / strain;
             println!("{datum:?} {width:e} at {place:.4}: J {j:e}, {exact:e}, off by {off:.1e}, told {told}");
             assert!(off <= 4e-6 || !told, "seed {SEED}, {datum:?} {width} at {place}: {j} for {exact}");
@@ -96,7 +97,7 @@ fn the_uncertainty_of_j_knows_what_nodes_leave_of_data() {
         for width in [1e-1, 1e-2, 1e-3, 1e-4] {
             cases.push((datum, width, vec![random.between(0.08, 0.92)]));
         }
-        cases.push((datum, 1e-2, (0..10).map(|k| 0.1 + 0.08 * f64::from(k) + random.between(0.0, 0.04)).collect()));
+        cases.push((datum, 1e-2, (0..6).map(|k| 0.1 + 0.13 * f64::from(k) + random.between(0.0, 0.04)).collect()));
     }
     cases.push((Datum::Displacement, 1e-4, vec![0.624_982]));
     // beside a node of the first mesh, beyond which its elements are long; and where linear elements tell two thirds of the error
@@ -110,7 +111,8 @@ fn the_uncertainty_of_j_knows_what_nodes_leave_of_data() {
     let mut worst = 0.0f64;
     for (datum, width, places) in &cases {
         let plain = solved(&scene(*datum, *width, places, false), "1e-2");
-        let shown = solved(&scene(*datum, *width, places, true), "3e-4");
+        // J of a tenth of the tolerance is a hundred times nearer
+        let shown = solved(&scene(*datum, *width, places, true), "1e-3");
         let (estimate, exact) = (plain.step().estimate(), shown.step().estimate());
         let off = (estimate.energy - exact.energy).abs() - exact.uncertainty;
         let part = off / estimate.uncertainty;
@@ -121,15 +123,15 @@ fn the_uncertainty_of_j_knows_what_nodes_leave_of_data() {
     println!("at most {worst:.2} of what is told");
 }
 
-/// Ten of them at once.
+/// Six of them at once.
 #[test]
-fn tens_of_asperities_are_all_seen() {
+fn six_asperities_are_all_seen() {
     let mut random = Random::new(SEED + 1);
     for width in [1e-2, 1e-4] {
-        let places: Vec<f64> = (0..10).map(|k| 0.1 + 0.08 * k as f64 + random.between(0.0, 0.04)).collect();
-        let (j, exact, strain, _) = compared(Datum::Gap, width, &places);
-        assert!((j - exact).abs() <= 4e-6 * strain, "seed {SEED}, width {width}: {j} for {exact}, {places:?}");
-        assert!(j > 1e-3, "ten asperities press: {j}");
+        let places: Vec<f64> = (0..6).map(|k| 0.1 + 0.13 * f64::from(k) + random.between(0.0, 0.04)).collect();
+        let (j, exact, strain, _) = compared(Datum::Gap, width, &places, 2e-3);
+        assert!((j - exact).abs() <= 1.6e-5 * strain, "seed {SEED}, width {width}: {j} for {exact}, {places:?}");
+        assert!(j > 1e-3, "six asperities press: {j}");
     }
 }
 
@@ -151,13 +153,13 @@ fn a_stamp_presses_over_all_of_its_width() {
     }
 }
 
-/// Ten narrow places of prescribed displacements: the tractions beside them fall off within the long elements next to theirs. What
+/// Six narrow places of prescribed displacements: the tractions beside them fall off within the long elements next to theirs. What
 /// is told of J holds, without a doubt.
 #[test]
-fn tens_of_narrow_displacements_are_told_right() {
+fn six_narrow_displacements_are_told_right() {
     let mut random = Random::new(SEED + 3);
     for width in [1e-3, 1e-4, 1e-5] {
-        let places: Vec<f64> = (0..10).map(|k| 0.1 + 0.08 * f64::from(k) + random.between(0.0, 0.04)).collect();
+        let places: Vec<f64> = (0..6).map(|k| 0.1 + 0.13 * f64::from(k) + random.between(0.0, 0.04)).collect();
         let plain = solved(&scene(Datum::Displacement, width, &places, false), "1e-2");
         let shown = solved(&scene(Datum::Displacement, width, &places, true), "1e-3");
         let (estimate, exact) = (plain.step().estimate(), shown.step().estimate());

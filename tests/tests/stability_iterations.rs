@@ -100,7 +100,7 @@ fn steps_of_adaptive_runs_take_at_most_fifteen_iterations_from_the_last_answer()
     let (mut interior, mut newtons, mut cold, mut warm) = (0, 0, 0, 0);
     for (name, mut scene) in scenes() {
         scene.method.tolerance = Some(1e-5);
-        scene.method.max_dofs = Some(700);
+        scene.method.max_dofs = Some(500);
         let run = adapt(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
         let mut last: Option<(ContactBoundary, Solution)> = None;
         for (step, mesh) in run.progress.steps.iter().map(|s| s.layout.mesh.clone()).enumerate() {
