@@ -19,6 +19,9 @@ use crate::told::{advice, crossing_warning, untouched};
 /// Digits of the energy J, which the smallest estimates need.
 const ENERGY_DIGITS: usize = 12;
 
+/// Stresses that differ by less than this part of the largest one are the same but for rounding.
+const UNIFORM: f64 = 1e-9;
+
 /// Points of infinite stress that are named at most.
 const NAMED: usize = 4;
 
@@ -61,8 +64,9 @@ pub fn lines(stored: &Record) -> Vec<String> {
     let s = &stored.summary;
     let mut lines = Lines::default();
     solved(stored, &mut lines);
+    let largest = s.reactions.values().flatten().fold(0.0, |largest: f64, force| largest.max(force.abs()));
     for (side, force) in &s.reactions {
-        lines.say("reaction", format!("{side}: {}", vector(*force)));
+        lines.say("reaction", format!("{side}: {}", vector_beside(*force, largest)));
     }
     if let Some(c) = &s.contact {
         contact(stored, c, &mut lines);
@@ -180,14 +184,19 @@ fn stress(stored: &Record, lines: &mut Lines) {
     };
     let of = |fields: &'_ [Field]| fields.iter().position(|f| f.name == "von_mises");
     let largest = |values: &[f64], places: &mut dyn Iterator<Item = [f64; 2]>| {
+        let smallest = values.iter().copied().filter(|value| value.is_finite()).fold(f64::INFINITY, f64::min);
         let known = values.iter().copied().zip(places).filter(|(value, _)| value.is_finite());
-        known.max_by(|a, b| a.0.total_cmp(&b.0))
+        let (value, place) = known.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(match value - smallest <= UNIFORM * value {
+            true => format!("von Mises {} at all", usual(value)),
+            false => format!("von Mises up to {} at {}, the largest at", usual(value), vector(place)),
+        })
     };
     let found = match (of(&grid.point_data), of(&grid.cell_data)) {
         (Some(k), _) => largest(&grid.point_data[k].values, &mut grid.points.iter().copied())
-            .map(|peak| (peak, format!("at {} points", grid.points.len()))),
+            .map(|peak| format!("{peak} {} points", grid.points.len())),
         (None, Some(k)) => largest(&grid.cell_data[k].values[grid.lines.len()..], &mut cells())
-            .map(|peak| (peak, format!("at the middle of {} cells", grid.triangles.len() + grid.quads.len()))),
+            .map(|peak| format!("{peak} {} cells, in their middle,", grid.triangles.len() + grid.quads.len())),
         (None, None) => None,
     };
     let infinite = &stored.summary.infinite_stress;
@@ -195,11 +204,8 @@ fn stress(stored: &Record, lines: &mut Lines) {
         let more = if infinite.len() > NAMED { format!(" and {} more", infinite.len() - NAMED) } else { String::new() };
         let places: Vec<String> = infinite.iter().take(NAMED).map(|place| vector(*place)).collect();
         lines.say("stress", format!("infinite at {}{more}", places.join(", ")));
-    } else if let Some(((value, place), of)) = found {
-        lines.say(
-            "stress",
-            format!("von Mises up to {} at {}, the largest {of} of the result file", usual(value), vector(place)),
-        );
+    } else if let Some(told) = found {
+        lines.say("stress", format!("{told} of the result file"));
     }
 }
 
