@@ -304,20 +304,16 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     };
     let page = args.report.as_deref().map(|folder| report::written(&out, folder)).transpose()?;
     let Record { summary, plan, .. } = &stored;
-    if args.json {
-        if let Some(advice) = advice(summary, plan).filter(|_| !args.quiet) {
-            eprintln!("{advice}");
-        }
-        if let Some(result) = stored.stochastic.as_ref().filter(|_| !args.quiet) {
+    // the summary says all of this itself
+    if (args.json || args.format.is_some()) && !args.quiet {
+        advice(summary, plan).iter().for_each(|advice| eprintln!("{advice}"));
+        if let Some(result) = &stored.stochastic {
             let texts = stochastic::shortfall(result).into_iter().chain(stochastic::overlooked(result));
             texts.for_each(|text| eprintln!("{text}"));
         }
-        if let Some(text) = summary.grid.as_ref().and_then(crossing_warning).filter(|_| !args.quiet) {
-            eprintln!("warning: {text}");
-        }
-        if !args.quiet {
-            summary.expect.iter().filter(|e| !e.holds).for_each(|e| eprintln!("{}", expectation(e)));
-        }
+        let crossing = summary.grid.as_ref().and_then(crossing_warning);
+        crossing.iter().for_each(|text| eprintln!("warning: {text}"));
+        summary.expect.iter().filter(|e| !e.holds).for_each(|e| eprintln!("{}", expectation(e)));
     }
     let kind = |f: &Path| if f.extension().is_some_and(|e| e == "csv") { "table" } else { "picture" };
     let files = files.iter().map(|f| format!("{:<11} {}", kind(f), f.display()));

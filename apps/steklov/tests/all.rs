@@ -17,6 +17,7 @@ mod grid_pictures;
 mod grid_scenes;
 mod inclusions;
 mod json_reference;
+mod json_units;
 mod memory;
 mod multipliers;
 mod natural_mistakes;

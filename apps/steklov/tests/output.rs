@@ -307,6 +307,11 @@ fn tables_for_documents_have_the_numbers_of_the_result() {
     assert!(latex.lines().filter(|line| line.contains(" & ")).all(|line| line.matches(" & ").count() == 3), "{latex}");
     let solved = place.run(["solve", "block.toml", "--force", "--format", "markdown"]).demand(0).out;
     assert_eq!(solved.lines().count(), rows.len());
+    // a run that is not to be trusted says so in the table, and what to do about it on stderr
+    let far = ["--force", "--set", "sides.floor.contact.gap=1e9"];
+    let ran = place.run(["solve", "block.toml", "--format", "markdown"].iter().chain(&far)).demand(3);
+    assert!(ran.out.contains("| run | NOT CONVERGED: solver |"), "{}", ran.out);
+    assert!(ran.err.contains("nearer to each other"), "{}", ran.err);
     assert!(
         place
             .run(["show", "block.vtkhdf", "--json", "--format", "latex"])

@@ -40,6 +40,20 @@ pub(crate) enum Unit {
 }
 
 impl Unit {
+    /// That of a number of the JSON object, by its path.
+    fn of_path(path: &str) -> Self {
+        let has = |words: &[&str]| path.split('.').any(|key| words.iter().any(|word| key.ends_with(word)));
+        match () {
+            // before all others: what follows is the name of a side
+            () if path.starts_with("reactions.") => Self::Force,
+            () if has(&["energy", "work"]) => Self::Energy,
+            () if has(&["stress", "pressure", "von_mises"]) => Self::Stress,
+            () if has(&["force", "resultant"]) => Self::Force,
+            () if has(&["length", "stick", "slip", "displacement"]) => Self::Length,
+            () => Self::One,
+        }
+    }
+
     /// In the names of the scene; nothing if they are not known.
     pub(crate) fn name(self, units: &Units) -> Option<String> {
         let (length, stress) = (units.length.as_ref(), units.stress.as_ref());
@@ -297,16 +311,29 @@ pub(crate) fn of_outcomes(result: &StochasticResult) -> Vec<Row> {
         if let Some(Words(last)) = error.last_mut() {
             *last = last.trim_end_matches("; ").to_owned();
         }
-        row(format!("mean ± deviation over outcomes: {}", q.name), value, Unit::One, error)
+        row(format!("mean ± deviation over outcomes: {}", q.name), value, Unit::of_path(&q.name), error)
     });
     rows.collect()
+}
+
+/// How the run ended, and of what the rows below are.
+fn of_run(stored: &Record) -> Row {
+    let s = &stored.summary;
+    let ended = if s.converged { s.reason.clone() } else { format!("NOT CONVERGED: {}", s.reason) };
+    let of = match &stored.stochastic {
+        Some(_) => {
+            "these are numbers of one solution, of the mean of the random input; means over outcomes stand at the end"
+        }
+        None => "",
+    };
+    row("run", words(ended), Unit::One, words(of))
 }
 
 /// All of them, for a table.
 pub(crate) fn all(stored: &Record) -> Vec<Row> {
     let s = &stored.summary;
     let outcomes = stored.stochastic.iter().flat_map(of_outcomes);
-    rows(s).into_iter().chain(of_probes(s)).chain(outcomes).collect()
+    [of_run(stored)].into_iter().chain(rows(s)).chain(of_probes(s)).chain(outcomes).collect()
 }
 
 #[cfg(test)]
@@ -330,5 +357,17 @@ mod tests {
         assert_eq!(Unit::Energy.name(&both).as_deref(), Some("MPa mm²"));
         assert_eq!((Unit::One.name(&both), Unit::Force.name(&of(Some("mm"), None))), (None, None));
         assert_eq!(Unit::Length.name(&of(Some("mm"), None)).as_deref(), Some("mm"));
+        for (path, unit) in [
+            ("strain_energy", "MPa mm²"),
+            ("friction_work", "MPa mm²"),
+            ("contact.max_pressure", "MPa"),
+            ("probe.0.stress.yy", "MPa"),
+            ("contact.force.y", "MPa mm"),
+            ("reactions.pressure.x", "MPa mm"),
+            ("interfaces.0.stick", "mm"),
+            ("probe.1.displacement.x", "mm"),
+        ] {
+            assert_eq!(Unit::of_path(path).name(&both).as_deref(), Some(unit), "{path}");
+        }
     }
 }
