@@ -1,4 +1,5 @@
-//! A stored result, or a study, as one page that loads nothing.
+//! A stored result, or a study, as one page that loads nothing; a result also as the lines of a [`summary`] and as a table of a
+//! document ([`format`](mod@format)).
 //!
 //! ```text
 //! result file ─► Record, steps ─► numbers, doubts, steps, contact, pictures, body (triangles with their fields) ─► index.html
