@@ -153,6 +153,24 @@ def draw(points, failures, problems, footer, versions, folder):
         figure.savefig(folder / f"peers.{kind}", dpi=150)
 
 
+def draw_adaptive(points, problems, folder):
+    """The adaptive families alone, as small as a page needs it."""
+    figure, axes = plt.subplots(1, len(problems), figsize=(4.5 * len(problems), 3.8), squeeze=False, sharey=True)
+    for panel, problem in zip(axes[0], problems):
+        for code, (marker, grey) in LOOKS.items():
+            best = front(points, code, problem, "adaptive")
+            colour, width, size = (grey, 1, 4) if code in PEERS else ("tab:red", 2, 5)
+            xy = [row["kept"] for row in best], [row["seconds"] for row in best]
+            panel.plot(*xy, marker=marker, markersize=size, color=colour, linewidth=width, label=code)
+        panel.set(xscale="log", yscale="log", title=problem, xlabel="relative error in energy norm")
+        panel.invert_xaxis()
+        panel.grid(True, which="major", color="0.92")
+    axes[0][0].set_ylabel("seconds")
+    axes[0][0].legend(fontsize=8)
+    figure.tight_layout()
+    figure.savefig(folder / "peers-adaptive.png", dpi=100)
+
+
 def legend(figure, versions):
     """One for all panels, below them, a column a code."""
     handles = []
@@ -191,13 +209,14 @@ def main(folder):
     threads = f"threads of each code: {machine['threads']}; load of the machine before and after: {load}"
     footer = f"{machine['processor']}; {threads}\n{codes}"
     draw(points, failures, problems, footer, versions, folder)
+    draw_adaptive(points, problems, folder)
     print(footer)
     for problem in problems:
         print(table(points, problem, versions))
     print()
     for key, reasons in failures.items():
         print(f"failed: {key[1]}: {name_of(key)}: {'; '.join(sorted(reasons))}")
-    print(f"{folder}: peers.svg, peers.png, peers.csv, runs.jsonl")
+    print(f"{folder}: peers.svg, peers.png, peers-adaptive.png, peers.csv, runs.jsonl")
 
 
 if __name__ == "__main__":

@@ -169,11 +169,10 @@ fn plans_are_the_least_model() {
 fn active_set_and_newton_agree() {
     let mut compared = 0;
     for path in gallery() {
-        let [newton, active] = ["newton", "active-set"].map(|solver| {
-            let (solver, refine) = (format!("method.solver=\"{solver}\""), "method.refine=\"none\"");
-            solved(&read(&path, &[&solver, refine])).0
-        });
+        let scene = |solver: &str| read(&path, &[&format!("method.solver=\"{solver}\""), "method.refine=\"none\""]);
+        let active = solved(&scene("active-set")).0;
         let Some(audit) = &active.audit else { continue };
+        let newton = solved(&scene("newton")).0;
         compared += 1;
         let difference = (newton.energy - active.energy).abs() / newton.energy.abs();
         let (n, a) = (newton.iterations, active.iterations);

@@ -32,12 +32,14 @@ fn solved() -> Place {
     place
 }
 
-/// The SVG of a part of a result that `show` draws with these options into a new folder.
+/// The SVG of a part of a result that `show` draws with these options; all parts are drawn at once, into a folder of these options.
 fn shown(place: &Place, result: &str, part: &str, options: &[&str]) -> String {
     let folder = options.concat().replace(|c: char| !c.is_alphanumeric(), "_") + "_";
-    let file = format!("{result}.vtkhdf");
-    place.run(["show", &file, "--plots", &folder].iter().chain(options)).demand(0);
-    String::from_utf8(place.read(&format!("{folder}/{result}-{part}.svg"))).unwrap()
+    let (file, svg) = (format!("{result}.vtkhdf"), format!("{folder}/{result}-{part}.svg"));
+    if !place.path(&svg).exists() {
+        place.run(["show", &file, "--plots", &folder].iter().chain(options)).demand(0);
+    }
+    String::from_utf8(place.read(&svg)).unwrap()
 }
 
 /// The texts of an SVG.
