@@ -83,6 +83,14 @@ pub enum StochasticError {
         /// The shortest correlation length that is resolved there.
         shortest: f64,
     },
+    /// A covariance that is no product, on a body of cells that is no rectangle.
+    #[error(
+        "the covariance {kernel:?} is no product of functions of x and y, which cells of a body that is no rectangle need: take exponential or gaussian"
+    )]
+    NoProduct {
+        /// Its family.
+        kernel: crate::Kernel,
+    },
     /// The eigenvalues on a rectangle still change under refinement.
     #[error(
         "with {}×{} points the eigenvalues still change by {change} of the largest, more than {tolerance}: take fewer \

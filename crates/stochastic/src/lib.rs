@@ -41,6 +41,9 @@ mod spectrum;
 mod galerkin;
 mod karhunen_loeve;
 mod rectangle;
+mod lanczos;
+mod cell_covariance;
+mod cell_karhunen_loeve;
 mod field;
 mod stochastic_mesh;
 mod cell_basis;
@@ -57,6 +60,8 @@ mod moments;
 pub use {faer, steklov_contact, steklov_quadrature};
 
 pub use cell_basis::{CellBasis, Nodes};
+pub use cell_covariance::FieldCells;
+pub use cell_karhunen_loeve::CellKarhunenLoeve;
 pub use chains::{CHAIN, scale_bounds, solve_points, solve_warm};
 pub use covariance::{Covariance, Kernel};
 pub use error::StochasticError;

@@ -197,6 +197,56 @@ impl RectangleKarhunenLoeve {
             }
         }
     }
+
+    /// Means of all modes over the cells of NX × NY equal ones, that of cell ix, iy at ix·NY + iy; by Gauss rules of 12 points and
+    /// two more for each half wave of a cell.
+    ///
+    /// # Panics
+    /// If there are no cells.
+    pub fn cell_means(&self, cells: [usize; 2]) -> Vec<Vec<f64>> {
+        assert!(cells.iter().all(|&n| n > 0), "at least one cell along each side");
+        // rows of means over the cells of a side: one for each of `count` functions that `values` gives at a point
+        let means = |d: usize, count: usize, values: &dyn Fn(f64, &mut [f64])| -> Vec<Vec<f64>> {
+            let rule = gauss_legendre(12 + 2 * count.div_ceil(cells[d])).mapped(0.0, 1.0);
+            let h = self.sides[d] / cells[d] as f64;
+            let mut all = vec![vec![0.0; cells[d]]; count];
+            let mut at = vec![0.0; count];
+            for i in 0..cells[d] {
+                for (t, w) in rule.points.iter().zip(&rule.weights) {
+                    values((i as f64 + t) * h, &mut at);
+                    all.iter_mut().zip(&at).for_each(|(row, value)| row[i] += w * value);
+                }
+            }
+            all
+        };
+        let product =
+            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().flat_map(|a| b.iter().map(move |b| a * b)).collect() };
+        match &self.modes {
+            Modes::Products { x, y, pairs } => {
+                let a = means(0, x.len(), &|at, out| x.modes(at, out));
+                let b = means(1, y.len(), &|at, out| y.modes(at, out));
+                pairs.iter().map(|&[i, j]| product(&a[i], &b[j])).collect()
+            }
+            Modes::Tensor { points, modes } => {
+                let polynomials =
+                    |d: usize| means(d, points[d], &|at, out| orthonormal((at / self.sides[d]).clamp(0.0, 1.0), out));
+                let (a, b) = (polynomials(0), polynomials(1));
+                let scale = (self.sides[0] * self.sides[1]).sqrt().recip();
+                let of_mode = |mode: &Vec<f64>| {
+                    let mut sum = vec![0.0; cells[0] * cells[1]];
+                    for (row, a) in mode.chunks(points[1]).zip(&a) {
+                        let mut along = vec![0.0; cells[1]];
+                        for (c, b) in row.iter().zip(&b) {
+                            along.iter_mut().zip(b).for_each(|(s, b)| *s += scale * c * b);
+                        }
+                        sum.iter_mut().zip(product(a, &along)).for_each(|(s, p)| *s += p);
+                    }
+                    sum
+                };
+                modes.iter().map(of_mode).collect()
+            }
+        }
+    }
 }
 
 /// Nyström's method for a covariance on the unit square, the sides measured in correlation lengths.

@@ -57,7 +57,7 @@ pub(crate) fn folded_spectrum(
 }
 
 /// Eigenvalues and eigenvectors from the lower half, on one thread: the same bits for any number of them.
-fn eigen(matrix: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), StochasticError> {
+pub(crate) fn eigen(matrix: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), StochasticError> {
     let size = matrix.nrows();
     let (mut values, mut vectors) = (Diag::zeros(size), Mat::zeros(size, size));
     let request = self_adjoint_evd_scratch::<f64>(size, ComputeEigenvectors::Yes, Par::Seq, Default::default());
