@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
 
+use steklov_model::grid::OnGrid;
+use steklov_model::run::adaptive_loop::Model;
 use steklov_model::summary::{Audit, Summary};
 use steklov_plan::{Plan, plan};
 use steklov_problem::Scene;
@@ -43,10 +46,13 @@ fn read(path: &Path, overrides: &[&str]) -> Scene {
 /// The summary of a solved scene, and the residual of equilibrium over the scale of forces.
 fn solved(scene: &Scene) -> (Summary, f64) {
     if scene.body().grid.is_some() {
-        let run = attempt_grid(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
+        let mut run = attempt_grid(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
+        let never = AtomicUsize::new(0);
+        let outcomes = OnGrid::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))
+            .unwrap_or_else(|e| panic!("{}: {e}", scene.title));
         let (forces, nodes) = (unbalanced_forces(scene, &run.last), unbalanced_nodes(scene, &run.last));
         println!("{}: forces {forces:.1e}, nodes {nodes:?}", scene.title);
-        let summary = Record::new(scene, plan(scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary;
+        let summary = Record::new(scene, plan(scene), &run, outcomes, Path::new("none.vtkhdf"), 0.0).summary;
         let contrast = summary.grid.as_ref().map_or(1.0, |grid| grid.contrast);
         let equilibrium = (forces / ROUNDED).max(nodes.unwrap_or(0.0)) / contrast.max(1.0).sqrt();
         return (summary, equilibrium);

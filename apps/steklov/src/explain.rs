@@ -285,7 +285,11 @@ pub(crate) fn too_many_points(scene: &Scene) -> Option<DataError> {
     if random.stochastic.method == Sampling::MonteCarlo || count <= most as f64 {
         return None;
     }
-    let count = if count < 1e15 { count.to_string() } else { format!("{count:e}") };
+    let count = match count {
+        f64::INFINITY => "far too many".to_owned(),
+        count if count < 1e15 => count.to_string(),
+        count => format!("{count:e}"),
+    };
     let germs = random.germs.len();
     let message = format!("{germs} germ(s) make {count} stochastic nodes, more than stochastic.max_nodes = {most}");
     let (keys, help) = match random.stochastic.method {

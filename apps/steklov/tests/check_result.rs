@@ -29,7 +29,7 @@ const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"
 const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
 const FEW: &str = "method.max_steps=3";
 
-const KINDS: [Kind; 18] = [
+const KINDS: [Kind; 19] = [
     kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
@@ -66,6 +66,12 @@ const KINDS: [Kind; 18] = [
         "30-rough-obstacle",
         &["random.rough.modes=3", "stochastic.degree=9", "method.refine=\"none\""],
         &["outcomes", "not checked: masses of stochastic cells"],
+    ),
+    kind(
+        "random-cells",
+        "68-bar-of-a-random-field",
+        &["random.g.modes=2", "stochastic.level=2"],
+        &["outcomes", "eigenpairs", "K ", "equilibrium"],
     ),
     kind("fem", "39-weight-that-varies", &[], &["K ", "equilibrium", "strain energy"]),
     kind("msfem", "38-l-shape-of-random-cells", &["grid.fine=[4, 4]", FEW], &["K_H ", "basis", "strain energy"]),

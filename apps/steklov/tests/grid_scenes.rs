@@ -170,25 +170,17 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[
-                ("[0, -1]", "[0, \"-1-xi\"]"),
-                ("[grid]", "[random.xi]\ndistribution = \"uniform\"\nlow = 0\nhigh = 1\n[grid]"),
-            ],
-            Kind::Data(DataErrorKind::Unsupported),
-            12,
-            "random",
-            "random input needs one material, that is boundary elements",
-            "leave out [random]",
-        ),
-        (
-            &[
                 ("{ uniform = [2000, 3000], seed = 2014 }", "\"2000+xi\""),
-                ("[grid]", "[random.xi]\ndistribution = \"uniform\"\nlow = 0\nhigh = 1\n[grid]"),
+                (
+                    "[grid]",
+                    "[random.xi]\ndistribution = \"uniform\"\nlow = 0\nhigh = 1\n[stochastic]\nmethod = \"galerkin\"\n[grid]",
+                ),
             ],
             Kind::Data(DataErrorKind::Unsupported),
-            12,
-            "random",
-            "random input needs one material",
-            "leave out [random]",
+            17,
+            "\"galerkin\"",
+            "each outcome is a body of its own",
+            "take method = \"sparse\"",
         ),
         (
             &[("[grid]", "[method]\nmodel = \"msfem-bem\"\n[grid]")],

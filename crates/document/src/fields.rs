@@ -241,10 +241,14 @@ impl<'a> Field<'a> {
     pub(super) fn constant(&self, context: &Context<'_>) -> Result<f64, ReadError> {
         let expression = self.expression(context)?;
         expression.constant().ok_or_else(|| {
-            self.problem(
-                format!("{} depends on the place: {:?}", self.name, expression.text()),
-                "it must be one value: use numbers, pi, the names in [parameters] and random variables only",
-            )
+            let help = match context.fields.keys().any(|name| expression.uses(name)) && self.name == "material.young" {
+                true => {
+                    "a field is constant in cells only: write it as young of [material.cells], with size = the edge of a \
+                     cell, and add a [grid]"
+                }
+                false => "it must be one value: use numbers, pi, the names in [parameters] and random variables only",
+            };
+            self.problem(format!("{} depends on the place: {:?}", self.name, expression.text()), help)
         })
     }
 }

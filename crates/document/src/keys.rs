@@ -669,13 +669,13 @@ pub(super) static STOCHASTIC: Table = table(
     "How a problem with random input is solved.",
     &[
         key("method", Words(&words(&SAMPLINGS)), "", "Which outcomes are solved, and what is made of them.")
-            .or(|| quoted(&SAMPLINGS, Stochastic::default().method)),
+            .without("`\"galerkin\"`, on a grid `\"sparse\"`"),
         key("degree", Form::Whole(DEGREE_FROM_0), "", "Polynomial degree in each germ, of galerkin and collocation.")
             .or(|| Stochastic::default().degree.to_string()),
         key("elements", Form::Whole(ELEMENTS), "", "Stochastic elements of each germ, of galerkin and collocation.")
             .or(|| Stochastic::default().elements.to_string()),
         key("level", Form::Whole(LEVEL), "", "Level of the sparse grid.")
-            .or(|| Stochastic::default().level.to_string()),
+            .without("2, on a grid 1 with more than 10 germs"),
         key("refine", Words(&words(&SPLITS)), "", "Whether stochastic elements are split where contact changes.")
             .or(|| quoted(&SPLITS, Stochastic::default().refine)),
         key("tolerance", Form::Number(FRACTION), "", "Wanted truncation of refine = \"adaptive\".")

@@ -184,7 +184,9 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
         fields.get("parameters").map_or_else(|| Ok(Parameters::default()), |p| body::parameters(&p, source))?;
     let of_body = fields.require("body", "a table [body] with corners and sides")?;
     let mut context = Context::new(source, parameters.clone());
-    let stochastic = fields.get("stochastic").map_or_else(|| Ok(Stochastic::default()), |f| random::stochastic(&f))?;
+    let of_outcomes = fields.get("stochastic");
+    let mut stochastic = of_outcomes.as_ref().map_or_else(|| Ok(Stochastic::default()), random::stochastic)?;
+    let of_outcomes = of_outcomes.as_ref().map(Fields::open).transpose()?;
     let cavity = fields.get("material").is_none() && fields.get("exterior").is_some();
     let (problem, declared, in_material) = if bodies::are_several(&of_body) {
         (bodies::problem(&fields, &context)?, Vec::new(), BTreeSet::new())
@@ -214,7 +216,14 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
         unused.push(STOCHASTIC.to_owned());
     }
     let constants = random::constants(&fields, cavity, &is_random, &context)?;
-    let (names, germs) = random::used(declared, stochastic.method, &used)?;
+    let on_grid = problem.bodies[0].grid.is_some();
+    if on_grid {
+        random::on_grid(&mut stochastic, of_outcomes.as_ref());
+    }
+    let (names, germs) = random::used(declared, stochastic.method, &problem, &used)?;
+    if on_grid {
+        random::level_on_grid(&mut stochastic, of_outcomes.as_ref(), germs.len());
+    }
     let random = Random { names, germs, stochastic, constants };
     let random = (!random.names.is_empty()).then_some(random);
     Ok(Scene { title, units, problem, parameters, probe, probe_lines, probe_sides, method, expect, random, unused })

@@ -4,8 +4,14 @@ use std::sync::Arc;
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::{Expression, Place, RandomField, Support};
-use steklov_problem::{DataErrorKind, Germ, Problem, RandomConstants, RandomName, Sampling, Stochastic};
-use steklov_stochastic::{Covariance, Distribution, Kernel, StochasticError, Truncation, Variable};
+use steklov_problem::{
+    CellModuli, Cells, DataErrorKind, Germ, Problem, RandomConstants, RandomName, Sampling, Side, Stochastic,
+    field_cells,
+};
+use steklov_stochastic::{
+    CellKarhunenLoeve, Covariance, Distribution, Field as Expansion, FieldCells, Kernel, StochasticError, Truncation,
+    Variable,
+};
 
 use super::body::check_name;
 use super::error::{ReadError, SceneErrorKind as Kind};
@@ -69,15 +75,32 @@ pub(super) fn random(
     Ok(names)
 }
 
-/// Largest number of germs of a scene with fields for a quadrature rule: two points per germ are 2^64 points.
+/// Largest number of germs of a scene with fields for a product of rules: two points per germ are 2^64 points.
 const RULE: usize = 64;
-/// Largest number of germs of a scene with fields for samples in a bearable time.
+/// Largest number of germs of a scene with fields for samples and sparse grids in a bearable time.
 const DRAWN: usize = 512;
+/// Most germs on a grid for which level 2 of a sparse grid is the default: 221 points.
+const FEW: usize = 10;
+
+/// The method and the level that a scene on a grid leaves open: outcomes one by one at the points of a sparse grid.
+pub(super) fn on_grid(stochastic: &mut Stochastic, given: Option<&Fields<'_>>) {
+    if given.is_none_or(|given| given.get("method").is_none()) {
+        stochastic.method = Sampling::Sparse;
+    }
+}
+
+/// Level 1 where level 2 would have hundreds of points, if the scene leaves the level open.
+pub(super) fn level_on_grid(stochastic: &mut Stochastic, given: Option<&Fields<'_>>, germs: usize) {
+    if germs > FEW && given.is_none_or(|given| given.get("level").is_none()) {
+        stochastic.level = 1;
+    }
+}
 
 /// The names that are used, with their germs; the expansions of fields are computed here.
 pub(super) fn used(
     declared: Vec<(String, Declared)>,
     method: Sampling,
+    problem: &Problem,
     uses: &dyn Fn(&str) -> bool,
 ) -> Result<(Vec<RandomName>, Vec<Germ>), ReadError> {
     let (mut names, mut germs) = (Vec::new(), Vec::new());
@@ -91,12 +114,17 @@ pub(super) fn used(
                 let refused = |e: StochasticError| {
                     ReadError::new(DataErrorKind::Value, place, format!("the field {name}: {e}"), "change the field")
                 };
-                let expansion = support.expansion(&covariance, truncation).map_err(refused)?;
+                let expansion = match cells_of(problem, &name)? {
+                    Some(cells) => CellKarhunenLoeve::new(&covariance, cells, truncation).map(Into::into),
+                    None => support.expansion(&covariance, truncation),
+                };
+                let expansion: Expansion = expansion.map_err(refused)?;
                 let bound = 3.0f64.sqrt();
                 let law = if uniform { Variable::uniform(-bound, bound) } else { Variable::normal(0.0, 1.0) };
                 let law = law.map_err(refused)?;
                 let first = germs.len();
-                let (modes, most) = (expansion.len(), if method == Sampling::MonteCarlo { DRAWN } else { RULE });
+                let product = matches!(method, Sampling::Galerkin | Sampling::Collocation);
+                let (modes, most) = (expansion.len(), if product { RULE } else { DRAWN });
                 if first + modes > most {
                     let [a, b] = covariance.correlation;
                     let parts = expansion.sides().into_iter().zip([a, b]).map(|(side, length)| side / length);
@@ -126,8 +154,47 @@ pub(super) fn used(
     Ok((names, germs))
 }
 
+/// The modulus cells of which a field is the means: where it makes their moduli. `None` for other fields, and for cells that do
+/// not fit the grid, which is refused later.
+///
+/// # Errors
+/// A field that is elsewhere too, where it would have other values.
+fn cells_of(problem: &Problem, name: &str) -> Result<Option<FieldCells>, ReadError> {
+    let body = &problem.bodies[0];
+    let Some(Cells { size, young: CellModuli::Expression(young), .. }) = body.cells() else { return Ok(None) };
+    if !young.uses(name) {
+        return Ok(None);
+    }
+    let force = body.force.iter().flatten().map(|e| ("body force".to_owned(), e));
+    let of_side = |(index, side): (usize, &Side)| {
+        let data = problem.side_data(index).into_iter();
+        let named = data.map(|(what, e)| (format!("{what} of side {:?}", side.name), e));
+        named.collect::<Vec<_>>()
+    };
+    let sides = problem.sides.iter().enumerate().flat_map(of_side);
+    if let Some((what, expression)) = force.chain(sides).find(|(_, e)| e.uses(name)) {
+        let message = format!("the {what} uses the field {name}, whose values are means over the modulus cells");
+        let help = "declare a second field for it";
+        return Err(ReadError::new(DataErrorKind::Conflict, expression.place, message, help));
+    }
+    Ok(body.grid.as_ref().and_then(|grid| field_cells(&problem.outline, grid, *size)))
+}
+
 /// Refuses a field of one side in the data of another, where it has no value.
 pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -> Result<(), ReadError> {
+    if let Some(Cells { young: CellModuli::Expression(young), .. }) = problem.bodies[0].cells() {
+        for (name, declared) in declared.iter().filter(|(name, _)| young.uses(name)) {
+            if let Declared::Field { support: Support::Side { name: on, .. }, .. } = declared {
+                let message = format!("the modulus of the cells uses the field {name} of side {on:?}");
+                return Err(ReadError::new(
+                    DataErrorKind::Conflict,
+                    young.place,
+                    message,
+                    "declare it with on = \"body\"",
+                ));
+            }
+        }
+    }
     for (index, side) in problem.sides.iter().enumerate() {
         for (what, expression) in problem.side_data(index) {
             for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {

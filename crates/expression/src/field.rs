@@ -147,10 +147,15 @@ impl RandomField {
         let (mut value, mut off) = (0.0, 0.0);
         for ((mode, steepness), [a, b]) in modes.iter().zip(self.expansion.steepness()).zip(germs) {
             value += mode * 0.5 * (a + b);
-            off += mode.abs() * 0.5 * (b - a) + steepness * reach * a.abs().max(b.abs());
+            off += mode.abs() * 0.5 * (b - a) + times(*steepness, reach * a.abs().max(b.abs()));
         }
         Enclosure::fixed(Interval::new(value - off, value + off))
     }
+}
+
+/// A steepness, infinite for values that jump, times a reach: nothing changes over a reach of 0.
+fn times(steepness: f64, reach: f64) -> f64 {
+    if reach == 0.0 { 0.0 } else { steepness * reach }
 }
 
 /// One outcome of a field; without a field the mean outcome, 0.
@@ -179,9 +184,9 @@ impl FieldValue {
         let Some((field, germs)) = &self.outcome else { return Enclosure::fixed(Interval::point(0.0)) };
         let middle = |range: Enclosure| range.value.low + range.value.width() / 2.0;
         let value = self.value([middle(x), middle(y)]);
-        let steepest: f64 = field.expansion.steepness().iter().zip(germs).map(|(s, g)| s * g.abs()).sum();
-        let off = steepest * (x.value.width() + y.value.width()) / 2.0;
-        let slope = steepest * (x.slope.magnitude() + y.slope.magnitude());
+        let steepest: f64 = field.expansion.steepness().iter().zip(germs).map(|(s, g)| times(*s, g.abs())).sum();
+        let off = times(steepest, (x.value.width() + y.value.width()) / 2.0);
+        let slope = times(steepest, x.slope.magnitude() + y.slope.magnitude());
         Enclosure { value: Interval::new(value - off, value + off), slope: Interval::new(-slope, slope) }
     }
 }

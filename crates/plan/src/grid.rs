@@ -6,7 +6,7 @@ use steklov_problem::{
     BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, Surroundings, bounding_box, grid_of,
 };
 
-use super::{Cost, Decision, MODULI, Plan, contact, decision, far_away, plane};
+use super::{Cost, Decision, MODULI, Plan, contact, decision, far_away, plane, random};
 
 /// Bytes for the moduli, the fields and the result of a fine cell.
 const BYTES_OF_CELL: f64 = 200.0;
@@ -51,7 +51,7 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
         )),
         None => left_out.push(decision("body force", "none", "the scene has none")),
     }
-    left_out.push(decision("random input", "one solve", "no random name is used"));
+    random::decide(scene, &mut modelled, &mut left_out);
     if conforming { &mut modelled } else { &mut left_out }.push(estimate(multiscale, conforming));
     if in_medium {
         let (choice, why) = match scene.method.indicator {

@@ -2,15 +2,13 @@
 
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_model::stochastic::{intervals, is_coupled, method};
-use steklov_problem::{Condition, Germ, Random, Sampling, Scene};
+use steklov_problem::{Condition, Germ, Random, Sampling, Scene, grid_of, moduli};
 use steklov_stochastic::smolyak;
 
 use super::Decision;
 
 /// Number of intervals along an edge, at whose ends data are compared.
 const STEPS: usize = 32;
-/// Largest number of germs of a sparse grid.
-const MANY: usize = 64;
 /// Largest number of germs that are named one by one.
 const NAMED: usize = 8;
 
@@ -29,9 +27,6 @@ pub fn points(scene: &Scene, random: &Random) -> f64 {
 
 /// Points of the sparse grid; None if it is too large to be made.
 fn sparse(random: &Random) -> Option<f64> {
-    if random.germs.len() > MANY {
-        return None;
-    }
     let variables: Vec<_> = random.germs.iter().map(|g| g.variable.clone()).collect();
     smolyak(&variables, random.stochastic.level).ok().map(|grid| grid.points.len() as f64)
 }
@@ -57,8 +52,12 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
         Sampling::Sparse => format!("sparse grid of level {} in {germs} germ(s): {count} points", settings.level),
         Sampling::MonteCarlo => format!("{count} samples of {germs} germ(s), seed {}", settings.seed),
     };
+    let each = match scene.is_on_grid() {
+        true => "each a body of its own, with a factorisation of the grid",
+        false => "each a condensed contact solve with the one factorisation of the mesh",
+    };
     let why = format!(
-        "each a condensed contact solve with the one factorisation of the mesh{}",
+        "{each}{}",
         match (settings.method, sparse(random)) {
             (Sampling::Galerkin | Sampling::Collocation, Some(sparse)) if sparse < count =>
                 format!("; method = \"sparse\" of level {} has {sparse} points", settings.level),
@@ -105,7 +104,7 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
 /// Half of the change of the data from one deviation of a germ below its median to one above: between its quantiles
 /// 0.159 and 0.841.
 struct Moved {
-    /// Change of E, relative.
+    /// Change of E, relative, in mean square over cells.
     young: f64,
     /// Change of the tractions, relative to their size, both in mean square along the boundary.
     loads: f64,
@@ -138,10 +137,21 @@ impl Moved {
     }
 }
 
+/// Half of the change from one modulus to another, relative to a third: in mean square over cells.
+fn change([low, high, nominal]: [Vec<f64>; 3]) -> f64 {
+    let squares: f64 = low.iter().zip(&high).zip(&nominal).map(|((a, b), e)| (0.5 * (b - a) / e).powi(2)).sum();
+    (squares / nominal.len().max(1) as f64).sqrt()
+}
+
 /// A cheap sensitivity of the data, not of the answers: each germ at its quantiles 0.159 and 0.841, the others at their
 /// medians.
 fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
     let middle: Vec<f64> = random.germs.iter().map(|g| g.variable.quantile(0.5)).collect();
+    let grid = if scene.is_on_grid() { grid_of(scene).ok() } else { None };
+    let young = |s: &Scene| match &grid {
+        Some(grid) => moduli(s, grid).map(|all| grid.body_cells().map(|c| all[c]).collect()).unwrap_or_default(),
+        None => vec![s.body().material().young],
+    };
     let one = |d: usize| {
         let outcome = |p: f64| {
             let mut germs = middle.clone();
@@ -149,9 +159,8 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
             scene.outcome(&germs).unwrap_or_else(|_| scene.clone())
         };
         let (low, high) = (outcome(0.158_655), outcome(0.841_345));
-        let young = |s: &Scene| s.body().material().young;
         let mut moved = Moved { gap: 0.0, friction: 0.0, held: 0.0, loads: 0.0, young: 0.0 };
-        moved.young = 0.5 * (young(&high) - young(&low)).abs() / young(scene);
+        moved.young = change([&low, &high, scene].map(young));
         let (mut change, mut size) = (0.0, 0.0);
         for edge in scene.problem.outline.edges() {
             for k in 0..=STEPS {

@@ -1,11 +1,11 @@
 //! A polygon as a union of grid cells.
 
 use steklov_bem_operators::{Edge, Location, Polygon};
-use steklov_msfem::Grid;
+use steklov_msfem::{Grid, MsfemError};
 
 use super::cells::bounding_box;
 use super::moduli::whole;
-use super::{About, DataError, DataErrorKind as Kind, Scene};
+use super::{About, DataError, DataErrorKind as Kind, GridInput, Scene};
 
 /// A corner this close to a grid point, in sides of the bounding box, is that point.
 const ON_GRID: f64 = 1e-9;
@@ -17,15 +17,20 @@ const ON_GRID: f64 = 1e-9;
 /// A scene without `[grid]`; a grid that rounding errors leave without a cell in the body.
 pub fn grid_of(scene: &Scene) -> Result<Grid, DataError> {
     let Some(input) = &scene.body().grid else { return Err(scene.grid_error()) };
-    let (low, size) = bounding_box(&scene.problem.outline);
+    grid_over(&scene.problem.outline, input)
+        .map_err(|e| DataError::at(Kind::Value, &[vec!["grid"]], e.to_string(), "take fewer cells"))
+}
+
+/// The fine grid over the bounding box of an outline.
+pub(super) fn grid_over(outline: &Polygon, input: &GridInput) -> Result<Grid, MsfemError> {
+    let (low, size) = bounding_box(outline);
     let cells = input.cells();
     let spacing = [0, 1].map(|k| size[k] / cells[k] as f64);
     let inside = |ix: usize, iy: usize| {
         let centre = [low[0] + spacing[0] * (ix as f64 + 0.5), low[1] + spacing[1] * (iy as f64 + 0.5)];
-        scene.problem.outline.contains(centre) == Location::Inside
+        outline.contains(centre) == Location::Inside
     };
     Grid::new(low, spacing, cells, inside)
-        .map_err(|e| DataError::at(Kind::Value, &[vec!["grid"]], e.to_string(), "take fewer cells"))
 }
 
 /// The grid point next to a point, by its numbers along x and y, and whether it is that point.

@@ -4,7 +4,7 @@ use steklov_expression::Expression;
 
 use super::grid_fit::{AS_TWO_BODIES, check_edges, fitting_grid, without_grid};
 use super::{
-    BasisInput, DataError, DataErrorKind as Kind, GridInput, Indicator, Model, Multiplier, Scene, check_body,
+    BasisInput, DataError, DataErrorKind as Kind, GridInput, Indicator, Model, Multiplier, Sampling, Scene, check_body,
     check_modulus_cells,
 };
 
@@ -119,13 +119,18 @@ impl Scene {
         DataError::at(Kind::Missing, &[key], format!("{message}{no_grid}"), help)
     }
 
+    /// Random input on a grid: the methods that solve outcome by outcome.
+    fn check_random_on_grid(&self) -> Result<(), DataError> {
+        let method = self.random.as_ref().map(|random| random.stochastic.method);
+        let Some(Sampling::Galerkin | Sampling::Collocation) = method else { return Ok(()) };
+        let message = "on a grid each outcome is a body of its own, which a mesh of the germs would couple".to_owned();
+        let help = "take method = \"sparse\" for smooth answers of few germs, or \"monte-carlo\"";
+        Err(DataError::at(Kind::Unsupported, &[vec!["stochastic", "method"], vec!["random"]], message, help))
+    }
+
     /// Finite elements: what they cannot treat, and whether body and modulus cells fit the grid.
     fn check_grid(&self, grid: &GridInput) -> Result<(), DataError> {
-        if self.random.is_some() {
-            let message = "random input needs one material, that is boundary elements, not finite elements".to_owned();
-            let help = "leave out [random], or give one material and a constant body force with model = \"bem\"";
-            return Err(DataError::at(Kind::Unsupported, &[vec!["random"]], message, help));
-        }
+        self.check_random_on_grid()?;
         if self.method.multiplier == Multiplier::Stabilised {
             let message = "finite elements have biorthogonal multipliers only".to_owned();
             let help = "leave method.multiplier at \"biorthogonal\": it needs no stabilisation";

@@ -3,9 +3,11 @@
 use steklov_bem_operators::Polygon;
 use steklov_msfem::Grid;
 use steklov_quadrature::unit_uniform;
+use steklov_stochastic::FieldCells;
 
 use super::cells::bounding_box;
-use super::{CellModuli, Cells, DataError, DataErrorKind as Kind, MOST_CELLS, Scene, Substance};
+use super::grid_fit::grid_over;
+use super::{CellModuli, Cells, DataError, DataErrorKind as Kind, GridInput, MOST_CELLS, Scene, Substance};
 
 /// Relative distance of a quotient from a whole number that counts as rounding.
 const WHOLE: f64 = 1e-9;
@@ -30,6 +32,27 @@ pub(super) fn fitting_fine(moduli: usize, coarse: usize, least: usize) -> usize 
 pub fn modulus_cells(polygon: &Polygon, size: f64) -> Option<[usize; 2]> {
     let [nx, ny] = bounding_box(polygon).1.map(|side| whole(side / size));
     Some([nx?, ny?])
+}
+
+/// The modulus cells of a size as the places of a random field: those with a fine cell of the body. `None` where they do not
+/// fit the grid, which is refused later.
+pub fn field_cells(outline: &Polygon, grid: &GridInput, size: f64) -> Option<FieldCells> {
+    let cells = modulus_cells(outline, size)?;
+    let fine = grid.cells();
+    if (0..2).any(|k| !fine[k].is_multiple_of(cells[k])) {
+        return None;
+    }
+    let grid = grid_over(outline, grid).ok()?;
+    let mut inside = vec![false; cells[0] * cells[1]];
+    for cell in grid.body_cells() {
+        inside[parent(grid.cell(cell), fine, cells)] = true;
+    }
+    Some(FieldCells { cells, size: [size; 2], inside: Some(inside) })
+}
+
+/// The number of the modulus cell of `counts` around the fine cell [ix, iy] of `fine`.
+fn parent([ix, iy]: [usize; 2], fine: [usize; 2], counts: [usize; 2]) -> usize {
+    ix / (fine[0] / counts[0]) * counts[1] + iy / (fine[1] / counts[1])
 }
 
 /// Numbers of modulus cells NX, NY along the sides of the bounding box: whole ones, each cell a whole number of the `fine`
@@ -103,11 +126,7 @@ pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, DataError> {
         CellModuli::Expression(young) => all.map(centre).map(|[x, y]| young.eval(x, y, 0.0)).collect(),
         CellModuli::Table { values, .. } => values.to_vec(),
     };
-    // from a fine cell to its modulus cell
-    let parent = |cell: usize| {
-        let [ix, iy] = grid.cell(cell);
-        ix / (nx / counts[0]) * counts[1] + iy / (ny / counts[1])
-    };
+    let parent = |cell: usize| parent(grid.cell(cell), grid.cells, counts);
     match grid.body_cells().map(parent).find(|&i| !(values[i] > 0.0 && values[i].is_finite())) {
         None => Ok((0..nx * ny).map(|cell| values[parent(cell)]).collect()),
         Some(i) => Err(impossible(&cells.young, values[i], ([i / counts[1], i % counts[1]], counts), centre(i))),

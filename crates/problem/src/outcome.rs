@@ -3,7 +3,10 @@
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 
-use super::{Condition, Contact, DataError, DataErrorKind as Kind, Friction, Law, Random, Scene, Springs, Substance};
+use super::{
+    CellModuli, Cells, Condition, Contact, DataError, DataErrorKind as Kind, Friction, Law, Random, Scene, Springs,
+    Substance,
+};
 
 impl Scene {
     /// The outcome of the random input for these germs; the scene itself if it has none.
@@ -27,6 +30,9 @@ impl Scene {
         if let Some(young) = &random.constants.young {
             let material = with_young(&self.body().material(), value(young), young)?;
             problem.bodies[0].substance = Substance::Homogeneous(material);
+        }
+        if let Substance::Cells(Cells { young: CellModuli::Expression(young), .. }) = &mut problem.bodies[0].substance {
+            take(young);
         }
         for side in &mut problem.sides {
             side.condition.expressions_mut().for_each(take);

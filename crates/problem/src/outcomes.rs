@@ -2,7 +2,7 @@
 
 use steklov_stochastic::{CellBasis, Nodes, StochasticCell, StochasticError, Variable, smolyak};
 
-use super::{DataError, Sampling, Scene, Stochastic};
+use super::{DataError, Sampling, Scene, Stochastic, grid_of, moduli};
 
 /// Outcomes beyond this probability at either end of a germ without bounds are not examined.
 const RARE: f64 = 1e-12;
@@ -21,21 +21,28 @@ impl Scene {
     pub(super) fn check_outcomes(&self) -> Result<(), DataError> {
         let Some(random) = &self.random else { return Ok(()) };
         let nominal = random.nominal();
+        let on_grid = self.uses(random).young && self.body().cells().is_some();
+        let grid = on_grid.then(|| grid_of(self)).transpose()?;
+        let check = |germs: &[f64]| {
+            let outcome = self.outcome(germs)?;
+            grid.as_ref().map(|grid| moduli(&outcome, grid)).transpose()?;
+            outcome.check_data()
+        };
         let ends: Vec<[f64; 2]> = random.germs.iter().map(|g| ends(&g.variable, &random.stochastic)).collect();
         for d in 0..ends.len().min(SINGLE) {
             for end in ends[d] {
                 let mut germs = nominal.clone();
                 germs[d] = end;
-                self.outcome(&germs)?.check_data()?;
+                check(&germs)?;
             }
         }
         let all_data = ends.len() <= DATA;
         if all_data || self.uses(random).young && ends.len() <= CORNERS {
             for corner in 0..1usize << ends.len() {
                 let germs: Vec<f64> = ends.iter().enumerate().map(|(d, e)| e[corner >> d & 1]).collect();
-                let outcome = self.outcome(&germs)?;
-                if all_data {
-                    outcome.check_data()?;
+                match all_data {
+                    true => check(&germs)?,
+                    false => drop(self.outcome(&germs)?),
                 }
             }
         }

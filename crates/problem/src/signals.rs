@@ -3,12 +3,15 @@
 use steklov_bem_operators::Edge;
 use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch, Value};
 
-use super::{Random, RandomName, Scene};
+use super::cells::bounding_box;
+use super::{CellModuli, Cells, Random, RandomName, Scene};
 
 /// Most boxes of one germ that are examined for the zeros of a switch.
 const BOXES: usize = 10_000;
 /// Boxes about a curved edge.
 const CHORDS: usize = 64;
+/// Lines on which the modulus of cells is examined.
+const ROWS: usize = 32;
 /// Most cuts of a germ: more of them are left to refinement.
 const CUTS: usize = 16;
 /// Probability on either side of a cut that is worth one.
@@ -69,6 +72,7 @@ impl Scene {
         let mut all: Vec<(Expression, Vec<[[f64; 2]; 2]>)> = Vec::new();
         let young = random.constants.young.as_ref();
         all.extend(young.and_then(free).map(|e| (e, nowhere.clone())));
+        all.extend(self.cell_modulus().and_then(free).map(|e| (e, self.rows_of_cells())));
         let forces = self.body().force.iter().flatten();
         all.extend(forces.filter_map(free).map(|e| (e, nowhere.clone())));
         for index in 0..self.problem.sides.len() {
@@ -104,6 +108,22 @@ impl Scene {
             }
         }
         signals
+    }
+
+    /// Young's modulus of cells, where it is an expression.
+    pub(super) fn cell_modulus(&self) -> Option<&Expression> {
+        match self.body().cells() {
+            Some(Cells { young: CellModuli::Expression(young), .. }) => Some(young),
+            _ => None,
+        }
+    }
+
+    /// The middle lines of rows of modulus cells from left to right, 32 of them at most.
+    fn rows_of_cells(&self) -> Vec<[[f64; 2]; 2]> {
+        let (low, size) = bounding_box(&self.problem.outline);
+        let rows = self.body().cells().map_or(1, |cells| ((size[1] / cells.size) as usize).clamp(1, ROWS));
+        let y = |k: usize| low[1] + size[1] * (k as f64 + 0.5) / rows as f64;
+        (0..rows).map(|k| [[low[0], y(k)], [low[0] + size[0], y(k)]]).collect()
     }
 
     /// Where data have kinks or jumps in one germ, whatever the others and the place: rising, for each germ.

@@ -109,7 +109,7 @@ impl Keep for OnGrid {
         Ok(steps)
     }
 
-    fn fields(scene: &Scene, run: &Run<Self>, _: Option<&StochasticResult>) -> Fields {
+    fn fields(scene: &Scene, run: &Run<Self>, outcomes: Option<&StochasticResult>) -> Fields {
         let solved = &run.last;
         let Trace { mesh, space, .. } = solved.trace();
         let data = OnMesh { scene, mesh, space };
@@ -119,7 +119,7 @@ impl Keep for OnGrid {
             (point, e, [xx * nx + xy * ny, xy * nx + yy * ny])
         };
         Fields {
-            grid: record::vtk(solved),
+            grid: record::vtk(solved, outcomes.and_then(|result| result.in_body.as_ref())),
             traction: (0..mesh.len()).map(traction).collect(),
             prescribed: (0..mesh.len())
                 .map(|e| or_nan(data.given_traction(e, 0.0, solved.at(mesh.point(e, 0.0)).0)))

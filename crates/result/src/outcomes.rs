@@ -5,7 +5,7 @@ use steklov_io::{
     Group, IoError, create_group, invalid, label, load_dense, load_integers, load_number, load_texts, load_vector,
     open_group, save_dense, save_integers, save_number, save_texts, save_vector,
 };
-use steklov_model::stochastic::{Cells, End, FieldModes, Quantity, StochasticResult};
+use steklov_model::stochastic::{BodyMoments, Cells, End, FieldModes, Quantity, StochasticResult};
 use steklov_stochastic::{Histogram, Moments};
 
 fn matrix(rows: &[Vec<f64>]) -> Mat<f64> {
@@ -25,10 +25,29 @@ pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
     save_texts(at, "germs", &result.labels, "independent random variables: the directions of the problem", "germ")?;
     save_dense(at, "points", matrix(&result.points).as_ref(), &label("1", "germs of each point", germ))?;
     save_vector(at, "weights", &result.weights, &label("1", "weights of the points, sum 1", &["point"]))?;
-    save_vector(at, "young", &result.young, &label("stress", "Young's modulus of each point", &["point"]))?;
+    save_vector(
+        at,
+        "young",
+        &result.young,
+        &label("stress", "Young's modulus of each point, on grids its mean over the body", &["point"]),
+    )?;
     save_moments(at, "displacement", "length", "nodal displacement, component fastest", &result.displacement)?;
-    let stressed = label("length", "mean of E/E0 u: the displacement of E0 with the mean stress", &["unknown"]);
-    save_vector(at, "stress_displacement", &result.stress_displacement, &stressed)?;
+    if !result.stress_displacement.is_empty() {
+        let stressed = label("length", "mean of E/E0 u: the displacement of E0 with the mean stress", &["unknown"]);
+        save_vector(at, "stress_displacement", &result.stress_displacement, &stressed)?;
+    }
+    if let Some(BodyMoments { displacement, stress, young }) = &result.in_body {
+        let group = create_group(at, "body")?;
+        save_moments(
+            &group,
+            "displacement",
+            "length",
+            "displacement of each fine node, component fastest",
+            displacement,
+        )?;
+        save_moments(&group, "stress", "stress", "stress xx, yy, xy in the middle of each cell of the body", stress)?;
+        save_moments(&group, "young", "stress", "Young's modulus of each cell of the body", young)?;
+    }
     save_moments(at, "pressure", "stress", "lambda_n of each contact node", &result.pressure)?;
     save_moments(at, "shear", "stress", "lambda_t of each contact node", &result.shear)?;
     let contact = label("1", "probability of contact of each contact node", &["contact node"]);
@@ -172,7 +191,11 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
         probabilities: load_vector(at, "probabilities")?,
         quantities,
         displacement: load_moments(at, "displacement")?,
-        stress_displacement: load_vector(at, "stress_displacement")?,
+        stress_displacement: match at.link_exists("stress_displacement") {
+            true => load_vector(at, "stress_displacement")?,
+            false => Vec::new(),
+        },
+        in_body: at.link_exists("body").then(|| load_body(&open_group(at, "body")?)).transpose()?,
         pressure: load_moments(at, "pressure")?,
         shear: load_moments(at, "shear")?,
         probability: load_vector(at, "probability")?,
@@ -240,6 +263,11 @@ fn load_moments(at: &Group, name: &str) -> Result<Moments, IoError> {
     } else {
         Err(invalid(&group, "variance", "means and variances differ in number"))
     }
+}
+
+fn load_body(at: &Group) -> Result<BodyMoments, IoError> {
+    let of = |name: &str| load_moments(at, name);
+    Ok(BodyMoments { displacement: of("displacement")?, stress: of("stress")?, young: of("young")? })
 }
 
 fn load_quantity(at: &Group, name: String) -> Result<Quantity, IoError> {

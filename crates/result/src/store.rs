@@ -16,7 +16,7 @@ use steklov_model::estimators::{Estimator, Estimators};
 use steklov_model::run::adaptive_loop::Step;
 use steklov_model::solve::contact_rows::ContactRow;
 use steklov_model::solve::solution::TieRow;
-use steklov_model::stochastic::StochasticResult;
+use steklov_model::stochastic::{BodyMoments, StochasticResult};
 use steklov_model::summary::Summary;
 use steklov_plan::Plan;
 
@@ -361,7 +361,9 @@ pub fn read(file: &File) -> Result<Record, IoError> {
     let stochastic = match file.link_exists("stochastic") {
         true => {
             let estimator = summary.estimators.as_ref().and_then(|all| all.stochastic.clone());
-            Some(StochasticResult { estimator, ..read_stochastic(file, points.len(), contact.len())? })
+            let result = read_stochastic(file, points.len(), contact.len())?;
+            result.in_body.iter().try_for_each(|moments| check_in_body(file, moments, &grid))?;
+            Some(StochasticResult { estimator, ..result })
         }
         false => None,
     };
@@ -388,9 +390,21 @@ pub fn read(file: &File) -> Result<Record, IoError> {
     })
 }
 
+/// Whether the moments in a body are those of its points and cells.
+fn check_in_body(file: &File, moments: &BodyMoments, grid: &vtkhdf::Grid) -> Result<(), IoError> {
+    let BodyMoments { displacement, stress, young } = moments;
+    let (points, cells) = (grid.points.len(), grid.quads.len());
+    match [displacement, stress, young].map(|m| m.mean.len()) == [2 * points, 3 * cells, cells] {
+        true => Ok(()),
+        false => Err(invalid(file, "stochastic/body", "its fields are not those of the points and cells of the grid")),
+    }
+}
+
 fn read_stochastic(file: &File, nodes: usize, conditions: usize) -> Result<StochasticResult, IoError> {
     let result = outcomes::read(&open_group(file, "stochastic")?)?;
-    if result.displacement.mean.len() != 2 * nodes || result.stress_displacement.len() != 2 * nodes {
+    let stressed = &result.stress_displacement;
+    let fits = stressed.len() == 2 * nodes || stressed.is_empty() && result.in_body.is_some();
+    if result.displacement.mean.len() != 2 * nodes || !fits {
         return Err(invalid(file, "stochastic/displacement", "it does not have two numbers for each node"));
     }
     if result.pressure.mean.len() != conditions {

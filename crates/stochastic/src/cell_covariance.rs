@@ -49,6 +49,12 @@ impl FieldCells {
         all.filter(|&c| self.inside.as_ref().is_none_or(|inside| inside[c])).collect()
     }
 
+    /// The number of the cell with a point, measured from the lower left; of the next one for points outside.
+    pub fn containing(&self, x: [f64; 2]) -> usize {
+        let [ix, iy] = [0, 1].map(|d| ((x[d] / self.size[d]).max(0.0) as usize).min(self.cells[d] - 1));
+        ix * self.cells[1] + iy
+    }
+
     /// Area of a cell.
     pub fn area(&self) -> f64 {
         self.size[0] * self.size[1]

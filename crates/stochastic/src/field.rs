@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use crate::{Covariance, KarhunenLoeve, RectangleKarhunenLoeve, StochasticError, Truncation};
+use crate::{CellKarhunenLoeve, Covariance, KarhunenLoeve, RectangleKarhunenLoeve, StochasticError, Truncation};
 
 /// Samples a half wave where the steepness is looked for.
 const SAMPLES: usize = 12;
@@ -10,7 +10,8 @@ const SAMPLES: usize = 12;
 /// The random field g(x, ξ) = Σ_m √λ_m b_m(x) ξ_m of mean 0 and, up to truncation, variance 1, for germs ξ_m with mean 0
 /// and variance 1 that are not correlated.
 ///
-/// Points are [x, y] in the rectangle, or [s, anything] on an interval with the arc length s.
+/// Points are [x, y] in the rectangle, or [s, anything] on an interval with the arc length s. A field of cells has one value
+/// in each, the mean over it, and 0 in cells that do not belong to the body; x, y are measured from the lower left of the grid.
 ///
 /// Source: Issaoui (2014), equation (4.6).
 #[derive(Debug, Clone)]
@@ -26,6 +27,14 @@ pub struct Field {
 enum Expansion {
     Interval(KarhunenLoeve),
     Rectangle(RectangleKarhunenLoeve),
+    Cells(CellKarhunenLoeve),
+}
+
+impl From<CellKarhunenLoeve> for Field {
+    fn from(kl: CellKarhunenLoeve) -> Self {
+        let roots = kl.eigenvalues().iter().map(|value| value.sqrt()).collect();
+        Self { expansion: Expansion::Cells(kl), roots, steepness: OnceLock::new() }
+    }
 }
 
 impl From<KarhunenLoeve> for Field {
@@ -83,6 +92,7 @@ impl Field {
         match &self.expansion {
             Expansion::Interval(kl) => vec![kl.length()],
             Expansion::Rectangle(kl) => kl.sides().to_vec(),
+            Expansion::Cells(kl) => [0, 1].map(|d| kl.cells().size[d] * kl.cells().cells[d] as f64).to_vec(),
         }
     }
 
@@ -91,6 +101,15 @@ impl Field {
         match &self.expansion {
             Expansion::Interval(kl) => kl.captured(),
             Expansion::Rectangle(kl) => kl.captured(),
+            Expansion::Cells(kl) => kl.captured(),
+        }
+    }
+
+    /// The expansion of a field that has one value in each cell of a grid.
+    pub fn on_cells(&self) -> Option<&CellKarhunenLoeve> {
+        match &self.expansion {
+            Expansion::Cells(kl) => Some(kl),
+            _ => None,
         }
     }
 
@@ -100,6 +119,10 @@ impl Field {
         match &self.expansion {
             Expansion::Interval(kl) => kl.modes(x[0], &mut out),
             Expansion::Rectangle(kl) => kl.modes(x, &mut out),
+            Expansion::Cells(kl) => {
+                let cell = kl.cells().containing(x);
+                out.iter_mut().enumerate().for_each(|(m, b)| *b = kl.mode(m)[cell]);
+            }
         }
         out.iter_mut().zip(&self.roots).for_each(|(b, root)| *b *= root);
         out
@@ -116,12 +139,13 @@ impl Field {
 
     /// Largest steepness max |∂_x √λ_m b_m|, |∂_y √λ_m b_m| of each mode (1/length), from differences of samples at 12 points
     /// a half wave of the last mode, and a tenth more. *Cost*: M values of modes at 12 (M + 4) points on an interval, at the
-    /// product of those of both directions on a rectangle; taken once.
+    /// product of those of both directions on a rectangle; taken once. Values that jump from cell to cell are infinitely steep.
     pub fn steepness(&self) -> &[f64] {
         self.steepness.get_or_init(|| {
             let (sides, waves) = match &self.expansion {
                 Expansion::Interval(kl) => ([kl.length(), 0.0], [kl.len(), 0]),
                 Expansion::Rectangle(kl) => (kl.sides(), kl.waves()),
+                Expansion::Cells(_) => return vec![f64::INFINITY; self.len()],
             };
             let samples = waves.map(|w| if w == 0 { 1 } else { SAMPLES * (w + 4) });
             let step = [0, 1].map(|d| sides[d] / samples[d] as f64);

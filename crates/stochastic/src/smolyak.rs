@@ -7,6 +7,8 @@ use steklov_quadrature::Rule;
 
 /// Most points before equal ones are merged, and most pairs of index sets and directions.
 const MOST: f64 = 2e6;
+/// Most numbers of them: 400 MB.
+const NUMBERS: f64 = 5e7;
 /// Highest level: rules of 2·60 + 1 points.
 const LEVELS: usize = 60;
 
@@ -52,7 +54,7 @@ pub fn smolyak(variables: &[Variable], level: usize) -> Result<Points, Stochasti
         counts[lowest..].iter().sum()
     };
     let size = counted(&|l| (2 * l + 1) as f64).max(counted(&|_| 1.0) * d as f64);
-    if size > MOST {
+    if size > MOST || size * d as f64 > NUMBERS {
         return refuse("the number of points of a sparse grid", size, "at most 2e6: lower the level, or use samples");
     }
     let rules: Result<Vec<Vec<Rule>>, StochasticError> = variables.iter().map(|v| one_dimensional(v, level)).collect();

@@ -5,10 +5,10 @@ use steklov_contact::{Condition, Located, TipKind};
 use steklov_problem::{Place, Refine, Scene};
 
 use crate::answer::singular_points::is_pressure_unbounded;
+use crate::energies::Energies;
 use crate::mesh::first_mesh::singular_points;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, TOUCHING, Trace, max_pressure};
-use crate::solve::solution::Solved;
 use crate::summary::{ContactSummary, Stabilisation, Summary};
 
 /// Lengths, largest pressure and resultant; `located`: where contact and stick are believed to end.
@@ -78,15 +78,21 @@ pub(crate) fn summary_of_sides(
 }
 
 /// Energies, contact and reactions of an answer: the numbers that one outcome of random input has.
-pub(crate) fn figures(scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Summary {
+pub(crate) fn figures(
+    scene: &Scene,
+    energies: &Energies,
+    (contact, trace): (Option<&ContactResult>, Trace<'_>),
+    reactions: &[(String, [f64; 2])],
+    rows: &[ContactRow],
+) -> Summary {
     Summary {
-        energy: solved.energies.total,
-        strain_energy: solved.energies.strain,
-        spring_energy: scene.problem.has_springs().then_some(solved.energies.springs),
-        load_work: solved.energies.load_work,
-        friction_work: solved.energies.friction_work,
-        contact: solved.contact.as_ref().map(|c| contact_summary(scene, solved.trace(), c, rows, None)),
-        reactions: solved.reactions.iter().cloned().collect(),
+        energy: energies.total,
+        strain_energy: energies.strain,
+        spring_energy: scene.problem.has_springs().then_some(energies.springs),
+        load_work: energies.load_work,
+        friction_work: energies.friction_work,
+        contact: contact.map(|c| contact_summary(scene, trace, c, rows, None)),
+        reactions: reactions.iter().cloned().collect(),
         ..Summary::default()
     }
 }

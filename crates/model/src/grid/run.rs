@@ -1,5 +1,8 @@
 //! Finite elements on grids in the adaptive loop.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use steklov_algebra::once_more;
 use steklov_problem::{Refine, Scene};
 
 use super::answer;
@@ -12,6 +15,7 @@ use crate::error::SolveError;
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, seconds_of};
 use crate::run::report::Report;
 use crate::stage::Stage;
+use crate::stochastic::{OutcomeStage, StochasticResult, solve_stochastic_on_grid};
 
 /// Dörfler's θ where the scene has none.
 pub const MARKING: f64 = 0.5;
@@ -88,6 +92,20 @@ impl Model for OnGrid {
             (_, Some(next)) if next_dofs(scene, solved, parts, next) > method.max_dofs() => Reason::MaxDofs,
             _ => return None,
         })
+    }
+
+    fn outcomes(
+        scene: &Scene,
+        run: &mut Run<Self>,
+        interrupts: &AtomicUsize,
+        progress: &(dyn Fn(usize, usize) + Sync),
+        observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
+    ) -> Result<Option<StochasticResult>, SolveError> {
+        let Some(random) = scene.random.as_ref().filter(|_| run.went_well()) else { return Ok(None) };
+        let stopped = || interrupts.load(Ordering::Relaxed) > 0;
+        let layout = &run.step().layout;
+        let solved = once_more(|| solve_stochastic_on_grid(scene, random, layout, progress, &stopped, observe));
+        run.with_outcomes(solved)
     }
 
     fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a> {

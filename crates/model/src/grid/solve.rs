@@ -10,7 +10,7 @@ use super::cells::{basis, body};
 use super::coupled::solve_coupled;
 use super::estimate::estimate;
 use super::layout::GridLayout;
-use super::loads::{check_gaps, loads};
+use super::loads::{Tractions, check_gaps, loads};
 use super::solution::{CoarseSolved, GridSolved};
 use super::system::{Answer, System, without_motions};
 use super::trace::{GridTrace, node_at};
@@ -30,6 +30,37 @@ pub fn solve_grid(
     layout: &GridLayout,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<GridSolved, SolveError> {
+    let (mut solved, Acting { loads, tractions, held }) = solve_unestimated(scene, layout, observe)?;
+    let clock = Instant::now();
+    observe(Stage::Progress("estimate", 0.9))?;
+    solved.estimate = estimate(scene, &solved, &loads, tractions, &held)?;
+    if solved.estimate.as_ref().is_some_and(|e| !e.error.is_finite()) {
+        return Err(SolveError::NotFinite { energy: solved.energies.total });
+    }
+    solved.estimate_seconds += clock.elapsed().as_secs_f64();
+    Ok(solved)
+}
+
+/// Solves the scene on a grid, without an estimate.
+///
+/// # Errors
+/// As [`solve_grid`].
+pub(crate) fn solve_once(scene: &Scene, layout: &GridLayout) -> Result<GridSolved, SolveError> {
+    solve_unestimated(scene, layout, &mut |_| Ok(())).map(|(solved, _)| solved)
+}
+
+/// The data that act on a grid, which an estimate needs.
+struct Acting {
+    loads: Loads,
+    tractions: Tractions,
+    held: Vec<bool>,
+}
+
+fn solve_unestimated(
+    scene: &Scene,
+    layout: &GridLayout,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<(GridSolved, Acting), SolveError> {
     let clock = Instant::now();
     observe(Stage::Progress("moduli, loads and supports", 0.0))?;
     let body = body(scene, layout)?;
@@ -49,14 +80,7 @@ pub fn solve_grid(
     if [total, strain, load_work].iter().chain(&solved.displacement).any(|v| !v.is_finite()) {
         return Err(SolveError::NotFinite { energy: total });
     }
-    let clock = Instant::now();
-    observe(Stage::Progress("estimate", 0.9))?;
-    solved.estimate = estimate(scene, &solved, &loads, tractions, &held)?;
-    if solved.estimate.as_ref().is_some_and(|e| !e.error.is_finite()) {
-        return Err(SolveError::NotFinite { energy: total });
-    }
-    solved.estimate_seconds += clock.elapsed().as_secs_f64();
-    Ok(solved)
+    Ok((solved, Acting { loads, tractions, held }))
 }
 
 /// Stress as a traction on element e, times half its length: the moment against one end.

@@ -19,7 +19,7 @@ use crate::run::report::Report;
 use crate::solve::solution::Seconds;
 use crate::stage::Stage;
 use crate::stochastic::number::check_quantities;
-use crate::stochastic::{OutcomeStage, StochasticResult};
+use crate::stochastic::{End, OutcomeStage, StochasticResult};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -202,6 +202,42 @@ impl<M: Model> Run<M> {
     /// Whether the run reached its aim: the tolerance, or the solution of the one requested mesh.
     pub fn converged(&self) -> bool {
         matches!(self.reason, Reason::Solved | Reason::Tolerance)
+    }
+
+    /// Whether the run ended by itself: outcomes of random input may follow.
+    pub(crate) fn went_well(&self) -> bool {
+        !matches!(self.reason, Reason::Interrupted | Reason::Failed)
+    }
+
+    /// Takes the end of the outcomes of random input: the run says why there are none, or not all.
+    ///
+    /// # Errors
+    /// Data of an outcome that are impossible; an observer that fails.
+    pub(crate) fn with_outcomes(
+        &mut self,
+        solved: Result<StochasticResult, SolveError>,
+    ) -> Result<Option<StochasticResult>, SolveError> {
+        match solved {
+            Ok(result) => {
+                self.reason = match result.end {
+                    _ if !self.converged() => self.reason,
+                    _ if result.unconverged > 0 => Reason::Solver,
+                    End::MaxNodes => Reason::MaxNodes,
+                    End::Rounds => Reason::MaxSteps,
+                    End::Solved | End::Tolerance => self.reason,
+                };
+                Ok(Some(result))
+            }
+            Err(SolveError::Interrupted) => {
+                self.reason = Reason::Interrupted;
+                Ok(None)
+            }
+            Err(error @ (SolveError::Data(_) | SolveError::Observer(_))) => Err(error),
+            Err(error) => {
+                (self.reason, self.error) = (Reason::Failed, Some(error));
+                Ok(None)
+            }
+        }
     }
 
     /// The last step.

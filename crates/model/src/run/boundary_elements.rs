@@ -22,7 +22,7 @@ use crate::solve::body::Body;
 use crate::solve::one_mesh::solve;
 use crate::solve::solution::Solved;
 use crate::stage::Stage;
-use crate::stochastic::{End, OutcomeStage, StochasticResult, mean_estimate, solve_stochastic};
+use crate::stochastic::{OutcomeStage, StochasticResult, mean_estimate, solve_stochastic};
 
 /// Boundary elements, as a [`Model`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -219,32 +219,12 @@ impl Model for BoundaryElements {
         progress: &(dyn Fn(usize, usize) + Sync),
         observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
     ) -> Result<Option<StochasticResult>, SolveError> {
-        let stopped_early = matches!(run.reason, Reason::Interrupted | Reason::Failed);
-        let (Some(random), Some(body)) = (scene.random.as_ref().filter(|_| !stopped_early), &run.matrices) else {
+        let (Some(random), Some(body)) = (scene.random.as_ref().filter(|_| run.went_well()), &run.matrices) else {
             return Ok(None);
         };
         let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-        match once_more(|| solve_stochastic(scene, random, body, progress, &stopped, observe)) {
-            Ok(result) => {
-                run.reason = match result.end {
-                    _ if !run.converged() => run.reason,
-                    _ if result.unconverged > 0 => Reason::Solver,
-                    End::MaxNodes => Reason::MaxNodes,
-                    End::Rounds => Reason::MaxSteps,
-                    End::Solved | End::Tolerance => run.reason,
-                };
-                Ok(Some(result))
-            }
-            Err(SolveError::Interrupted) => {
-                run.reason = Reason::Interrupted;
-                Ok(None)
-            }
-            Err(error @ (SolveError::Data(_) | SolveError::Observer(_))) => Err(error),
-            Err(error) => {
-                (run.reason, run.error) = (Reason::Failed, Some(error));
-                Ok(None)
-            }
-        }
+        let solved = once_more(|| solve_stochastic(scene, random, body, progress, &stopped, observe));
+        run.with_outcomes(solved)
     }
 
     fn lack(scene: &Scene, run: &Run<BoundaryElements>) -> Option<Lack> {

@@ -5,21 +5,20 @@ use std::time::Instant;
 use steklov_contact::Solution;
 use steklov_expression::RandomField;
 use steklov_problem::{Random, Sampling, Scene};
-use steklov_stochastic::{Variable, smolyak, solve_points};
 
 use super::estimate::mean_estimator;
 use super::nodes::{is_coupled, solve_nodes};
 use super::number::Number;
 use super::of_surrogate::of_surrogate;
+use super::one_by_one::OneByOne;
 use super::outcomes::Outcomes;
-use super::result::{FieldModes, StochasticResult, Watch, of_grid};
-use super::samples::of_samples;
+use super::result::{BLOCK, FieldModes, StochasticResult, Watch};
 use super::spread::{judge, of_one_scale};
 use super::stage::OutcomeStage;
-use super::unseen::{beside_grid, beside_samples};
 use crate::error::SolveError;
 use crate::estimate::error_estimate::has_residuals;
 use crate::solve::body::Body;
+use crate::summary::Summary;
 
 /// Steps along a side, and in each direction over the body, at which modes of random fields are stored.
 const LINE: usize = 200;
@@ -44,47 +43,46 @@ pub fn solve_stochastic(
     let settings = &random.stochastic;
     let outcomes = Outcomes::new(scene, random, body)?;
     let nominal = outcomes.outcome(&random.nominal(), &mut None)?.figures;
-    if let Some(number) = outcomes.numbers.iter().find(|number| number.of(&nominal).is_nan()) {
-        return Err(scene.quantity_error(&number.path).into());
-    }
-    let size = |path: &String| Number::new(path).map_or(f64::NAN, |number| number.of(&nominal).abs());
-    let scale = |number: &Number| of_one_scale(&number.path).iter().map(size).fold(0.0, f64::max);
-    let scales: Vec<f64> = outcomes.numbers.iter().map(scale).collect();
-    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
+    let scales = scales(scene, &outcomes.numbers, &nominal)?;
     let mut result = match settings.method {
         Sampling::Galerkin | Sampling::Collocation => {
             let coupled = is_coupled(scene, random)?;
             let surrogate = solve_nodes(scene, random, &outcomes, coupled, &watch)?;
             of_surrogate(scene, random, &surrogate, &outcomes, &watch, observe)?
         }
-        Sampling::Sparse => {
-            let grid = smolyak(&variables, settings.level)?;
-            let answers = solve_points(grid.points.len(), |i, warm: &mut Option<Solution>| {
-                watch.check()?;
-                watch.tell(i + 1, grid.points.len());
-                outcomes.answer(&grid.points[i], warm)
-            })?;
-            observe(OutcomeStage::Answers { first: 0, count: answers.len(), answers: &answers })?;
-            let mut result = of_grid(grid.points.clone(), grid.weights.clone(), &answers, &outcomes.numbers)?;
-            beside_grid(&mut result, (&grid, &answers), &outcomes, random, &watch)?;
-            result
-        }
-        Sampling::MonteCarlo => {
-            let mut result = of_samples(&outcomes, &variables, random, &watch, observe)?;
-            beside_samples(&mut result, &outcomes, random, &watch)?;
-            result
+        Sampling::Sparse | Sampling::MonteCarlo => {
+            let answer = |germs: &[f64], warm: &mut Option<Solution>| outcomes.answer(germs, warm);
+            let (numbers, data) = (&outcomes.numbers[..], &outcomes.data);
+            OneByOne { numbers, data, answer: &answer, block: BLOCK }.solve(random, &watch, observe)?
         }
     };
-    result.quantities.iter_mut().zip(scales).for_each(|(quantity, scale)| judge(scene, quantity, scale));
     if has_residuals(scene) {
         result.estimator = Some(mean_estimator(scene, random, &outcomes, result.truncation)?);
     }
-    result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
-    result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
+    finish(scene, random, &mut result, &scales);
     result.young.iter_mut().for_each(|e| *e *= scene.body().material().young);
-    result.probabilities = settings.quantiles.clone();
     result.seconds = clock.elapsed().as_secs_f64();
     Ok(result)
+}
+
+/// The largest nominal value of those of one scale with each number.
+///
+/// # Errors
+/// A quantity that is no number of the nominal outcome.
+pub(super) fn scales(scene: &Scene, numbers: &[Number], nominal: &Summary) -> Result<Vec<f64>, SolveError> {
+    if let Some(number) = numbers.iter().find(|number| number.of(nominal).is_nan()) {
+        return Err(scene.quantity_error(&number.path).into());
+    }
+    let size = |path: &String| Number::new(path).map_or(f64::NAN, |number| number.of(nominal).abs());
+    Ok(numbers.iter().map(|number| of_one_scale(&number.path).iter().map(size).fold(0.0, f64::max)).collect())
+}
+
+/// Judges the quantities by their scales, and adds what the scene gives.
+pub(super) fn finish(scene: &Scene, random: &Random, result: &mut StochasticResult, scales: &[f64]) {
+    result.quantities.iter_mut().zip(scales).for_each(|(quantity, scale)| judge(scene, quantity, *scale));
+    result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
+    result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
+    result.probabilities = random.stochastic.quantiles.clone();
 }
 
 /// The expansion of a field along its side, or on a grid over the body.

@@ -27,6 +27,15 @@ impl Number {
     }
 }
 
+/// The numbers of a scene's quantities.
+///
+/// # Errors
+/// The first path that leads to none.
+pub(super) fn numbers(scene: &Scene, random: &Random) -> Result<Vec<Number>, DataError> {
+    let number = |path: &String| Number::new(path).ok_or_else(|| scene.quantity_error(path));
+    paths_of(scene, random).iter().map(number).collect()
+}
+
 /// Whether every quantity that a scene asks for is a number of its outcomes: before anything is solved.
 ///
 /// # Errors

@@ -8,8 +8,9 @@ use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_problem::{Random, Scene, Solver, Uses};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
+use super::in_body::InBody;
 use super::jumps::InGerms;
-use super::number::Number;
+use super::number::{Number, numbers};
 use crate::answer::report::figures;
 use crate::data::body_load::Particular;
 use crate::data::motions::unresisted;
@@ -17,6 +18,7 @@ use crate::data::on_mesh::{Loads, OnMesh};
 use crate::data::supports::Supports;
 use crate::error::SolveError;
 use crate::solve::body::{Body, Factors, Loading};
+use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, contact_rows};
 use crate::solve::contact_solver::solve_problem;
 use crate::solve::rotations::{missed, project_load_off, rigid_load};
@@ -41,12 +43,14 @@ pub struct Outcomes<'a> {
 /// The kept data of the answer to one outcome.
 #[derive(Debug, Clone, Default)]
 pub struct Answer {
-    /// E/E₀.
+    /// E/E₀; on grids the mean of E over the body.
     pub modulus: f64,
-    /// Nodal displacement.
+    /// Displacement of the nodes of the boundary.
     pub displacement: Vec<f64>,
-    /// The displacement of the nominal modulus that has the stress of the outcome.
+    /// The displacement of the nominal modulus that has the stress of the outcome; nothing on grids.
     pub stressed: Vec<f64>,
+    /// The fields in a body on a grid, until their sums are taken; nothing for boundary elements.
+    pub in_body: InBody,
     /// F - |λ_t| of each condition with friction (0 without).
     pub reserve: Vec<f64>,
     /// |u_t|.
@@ -83,12 +87,11 @@ impl<'a> Outcomes<'a> {
     pub fn new(scene: &'a Scene, random: &'a Random, body: &'a Body) -> Result<Self, SolveError> {
         let data = OnMesh { scene, mesh: &body.mesh, space: &body.space };
         let in_germs = InGerms::new(scene, random);
-        let number = |path: &String| Number::new(path).ok_or_else(|| scene.quantity_error(path));
         Ok(Self {
             scene,
             random,
             body,
-            numbers: paths_of(scene, random).iter().map(number).collect::<Result<_, _>>()?,
+            numbers: numbers(scene, random)?,
             data: in_germs,
             uses: scene.uses(random),
             loads: data.load()?,
@@ -195,7 +198,7 @@ impl<'a> Outcomes<'a> {
         for (row, [pressure, shear]) in rows.iter_mut().zip(multipliers.unwrap_or_default()) {
             (row.pressure, row.shear) = (*pressure, *shear);
         }
-        let mut figures = figures(scene, solved, &rows);
+        let mut figures = figures(scene, &solved.energies, (contact, solved.trace()), &solved.reactions, &rows);
         if self.numbers.iter().any(|number| number.path.starts_with("probe")) {
             figures.probe = scene.probe.iter().map(|&x| solved.probe(scene, x)).collect();
         }
@@ -216,15 +219,23 @@ impl<'a> Outcomes<'a> {
             stressed: solved.displacement.iter().map(|u| modulus * u).collect(),
             quantities: self.numbers.iter().map(|number| number.of(figures)).collect(),
             strain: figures.strain_energy,
-            reserve: rows.iter().map(|r| if r.bound.is_finite() { r.bound - r.shear.abs() } else { 0.0 }).collect(),
-            slip: rows.iter().map(|r| if r.bound > 0.0 { r.tangential_displacement.abs() } else { 0.0 }).collect(),
-            pressure: rows.iter().map(|r| r.pressure).collect(),
-            shear: rows.iter().map(|r| r.shear).collect(),
-            opening: rows.iter().map(|r| r.gap - r.normal_displacement).collect(),
-            iterations: contact.map_or(0, |c| c.solution.iterations),
             converged: solved.balanced && contact.is_none_or(|c| c.converged()),
             displacement: solved.displacement.clone(),
+            ..contact_answer(rows, contact)
         }
+    }
+}
+
+/// The part of an answer that comes from its contact.
+pub(super) fn contact_answer(rows: &[ContactRow], contact: Option<&ContactResult>) -> Answer {
+    Answer {
+        reserve: rows.iter().map(|r| if r.bound.is_finite() { r.bound - r.shear.abs() } else { 0.0 }).collect(),
+        slip: rows.iter().map(|r| if r.bound > 0.0 { r.tangential_displacement.abs() } else { 0.0 }).collect(),
+        pressure: rows.iter().map(|r| r.pressure).collect(),
+        shear: rows.iter().map(|r| r.shear).collect(),
+        opening: rows.iter().map(|r| r.gap - r.normal_displacement).collect(),
+        iterations: contact.map_or(0, |c| c.solution.iterations),
+        ..Answer::default()
     }
 }
 

@@ -3,6 +3,7 @@
 use steklov_problem::Scene;
 use steklov_stochastic::{Histogram, Moments, moments};
 
+use super::in_body::BodyMoments;
 use super::number::Number;
 use super::outcomes::Answer;
 use crate::error::SolveError;
@@ -117,16 +118,18 @@ pub struct StochasticResult {
     pub points: Vec<Vec<f64>>,
     /// Weights, sum 1.
     pub weights: Vec<f64>,
-    /// Young's modulus of each point.
+    /// Young's modulus of each point; on grids its mean over the body.
     pub young: Vec<f64>,
     /// Probabilities of the quantiles.
     pub probabilities: Vec<f64>,
     /// The quantities.
     pub quantities: Vec<Quantity>,
-    /// Nodal displacement.
+    /// Displacement of the nodes of the boundary.
     pub displacement: Moments,
-    /// Mean of E/E₀ times the nodal displacement: the displacement of E₀ with the mean stress.
+    /// Mean of E/E₀ times the nodal displacement: the displacement of E₀ with the mean stress; nothing on grids.
     pub stress_displacement: Vec<f64>,
+    /// The fields in a body on a grid.
+    pub in_body: Option<BodyMoments>,
     /// λ_n of each contact condition.
     pub pressure: Moments,
     /// λ_t.

@@ -1,11 +1,12 @@
 //! Statistics of samples, as they stream by.
 
-use steklov_contact::Solution;
 use steklov_problem::Random;
-use steklov_stochastic::{Accumulator, Variable, density, quantiles, sample, solve_points};
+use steklov_stochastic::{Accumulator, Variable, density, quantiles, sample};
 
-use super::outcomes::{Answer, Outcomes};
-use super::result::{BINS, BLOCK, Quantity, StochasticResult, Watch, touches};
+use super::in_body::BodySums;
+use super::one_by_one::OneByOne;
+use super::outcomes::Answer;
+use super::result::{BINS, Quantity, StochasticResult, Watch, touches};
 use super::stage::OutcomeStage;
 use crate::error::SolveError;
 
@@ -13,6 +14,7 @@ use crate::error::SolveError;
 struct Passed {
     /// Displacement, stress displacement, pressure, shear, touching, quantities.
     sums: [Accumulator; 6],
+    in_body: BodySums,
     points: Vec<Vec<f64>>,
     young: Vec<f64>,
     /// The values of each quantity.
@@ -23,6 +25,7 @@ struct Passed {
 
 impl Passed {
     fn push(&mut self, germs: Vec<f64>, answer: &Answer) -> Result<(), SolveError> {
+        self.in_body.push(1.0, &answer.in_body);
         let touching: Vec<f64> = (0..answer.pressure.len()).map(|i| f64::from(u8::from(touches(answer, i)))).collect();
         let Answer { displacement, stressed, pressure, shear, quantities, .. } = answer;
         let parts = [displacement, stressed, pressure, shear, &touching, quantities];
@@ -43,7 +46,7 @@ impl Passed {
 /// # Errors
 /// An outcome that is impossible; an observer that fails; [`SolveError::Interrupted`].
 pub(super) fn of_samples(
-    outcomes: &Outcomes<'_>,
+    outcomes: &OneByOne<'_>,
     variables: &[Variable],
     random: &Random,
     watch: &Watch<'_>,
@@ -53,27 +56,21 @@ pub(super) fn of_samples(
     let count = settings.samples;
     let mut passed = Passed {
         sums: Default::default(),
+        in_body: BodySums::default(),
         points: Vec::new(),
         young: Vec::new(),
         values: vec![Vec::with_capacity(count); outcomes.numbers.len()],
         iterations: 0,
         unconverged: 0,
     };
-    for first in (0..count).step_by(BLOCK) {
-        let block = BLOCK.min(count - first);
-        let answers = solve_points(block, |i, warm: &mut Option<Solution>| {
-            watch.check()?;
-            let germs = sample(variables, settings.seed, (first + i) as u64);
-            let answer = outcomes.answer(&germs, warm)?;
-            Ok::<_, SolveError>((germs, answer))
-        })?;
-        watch.tell(first + block, count);
-        let (germs, answers): (Vec<Vec<f64>>, Vec<Answer>) = answers.into_iter().unzip();
+    let germs = |i: usize| sample(variables, settings.seed, i as u64);
+    outcomes.stream(count, &germs, watch, &mut |first, germs, answers| {
         observe(OutcomeStage::Answers { first, count, answers: &answers })?;
         for (germs, answer) in germs.into_iter().zip(&answers) {
             passed.push(germs, answer)?;
         }
-    }
+        Ok(())
+    })?;
     let [displacement, stressed, pressure, shear, touching, both] = passed.sums;
     let (both, errors) = (both.moments(), both.standard_errors());
     let equal = vec![1.0; count];
@@ -97,6 +94,7 @@ pub(super) fn of_samples(
         quantities,
         displacement: displacement.moments(),
         stress_displacement: stressed.moments().mean,
+        in_body: passed.in_body.moments(),
         pressure: pressure.moments(),
         shear: shear.moments(),
         probability: touching.moments().mean,

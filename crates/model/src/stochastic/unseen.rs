@@ -6,7 +6,8 @@ use steklov_problem::Random;
 use steklov_stochastic::{Points, Variable, sample, solve_points};
 
 use super::check::{STREAM, wanted};
-use super::outcomes::{Answer, Outcomes};
+use super::one_by_one::OneByOne;
+use super::outcomes::Answer;
 use super::result::{OVERLOOKED, StochasticResult, UNDECIDED, Watch, touches};
 use crate::error::SolveError;
 
@@ -30,7 +31,7 @@ struct Unseen {
 /// Solves outcomes at the ends of the germs, where `rarest` is the probability beyond them, and those whose data occur at none
 /// of the points; `count` points have been examined, as good as samples.
 fn unseen(
-    outcomes: &Outcomes<'_>,
+    outcomes: &OneByOne<'_>,
     random: &Random,
     points: &[Vec<f64>],
     count: usize,
@@ -64,7 +65,7 @@ fn unseen(
     places.extend(open.found.into_iter().map(|found| (found.germ, found.share.min(likely))));
     let answers = solve_points(places.len(), |i, warm: &mut Option<Solution>| {
         watch.check()?;
-        outcomes.answer(&places[i].0, warm)
+        (outcomes.answer)(&places[i].0, warm)
     })?;
     let answers = answers.into_iter().zip(places).map(|(answer, (germ, p))| (answer, germ, p)).collect();
     Ok(Unseen { answers, undecided: open.undecided.min(likely) })
@@ -75,7 +76,7 @@ fn unseen(
 /// standard errors, they are in doubt.
 pub(super) fn beside_samples(
     result: &mut StochasticResult,
-    outcomes: &Outcomes<'_>,
+    outcomes: &OneByOne<'_>,
     random: &Random,
     watch: &Watch<'_>,
 ) -> Result<(), SolveError> {
@@ -111,7 +112,7 @@ pub(super) fn beside_samples(
 pub(super) fn beside_grid(
     result: &mut StochasticResult,
     (grid, answers): (&Points, &[Answer]),
-    outcomes: &Outcomes<'_>,
+    outcomes: &OneByOne<'_>,
     random: &Random,
     watch: &Watch<'_>,
 ) -> Result<(), SolveError> {
@@ -123,7 +124,7 @@ pub(super) fn beside_grid(
         .collect();
     let drawn = solve_points(fresh.len(), |i, warm: &mut Option<Solution>| {
         watch.check()?;
-        outcomes.answer(&fresh[i], warm)
+        (outcomes.answer)(&fresh[i], warm)
     })?;
     let Unseen { answers: ends, undecided } = unseen(outcomes, random, &grid.points, fresh.len(), watch)?;
     let conditions = result.probability.len();

@@ -3,7 +3,7 @@
 use faer::Mat;
 use steklov_io::{
     File, Group, IoError, Rows, copy, create_group, invalid, label, load_dense, open_group, save, save_dense,
-    save_rows, save_text, save_vector,
+    save_integers, save_rows, save_text, save_vector,
 };
 use steklov_model::stochastic::{Answer, Modulus, OutcomeStage};
 use steklov_problem::DataError;
@@ -100,8 +100,15 @@ impl<'a> SavedOutcomes<'a> {
     }
 }
 
-/// Modes at Gauss points of a side or of the rectangle around the body.
-fn save_eigenpairs(at: &Group, name: &str, field: &Field) -> Result<(), IoError> {
+/// Points with weights at which the modes of a field are stored: Gauss points of a side or of the rectangle around the body, or
+/// the middles of its cells.
+fn mode_points(field: &Field) -> (Vec<Vec<f64>>, Vec<f64>) {
+    if let Some(kl) = field.on_cells() {
+        let cells = kl.cells();
+        let middle =
+            |c: usize| [0, 1].map(|k| cells.size[k] * ([c / cells.cells[1], c % cells.cells[1]][k] as f64 + 0.5));
+        return cells.body().into_iter().map(|c| (middle(c).to_vec(), cells.area())).unzip();
+    }
     let rule = gauss_legendre(32 + 4 * field.len().min(100));
     let sides = field.sides();
     let mut points = vec![(vec![], 1.0)];
@@ -113,14 +120,23 @@ fn save_eigenpairs(at: &Group, name: &str, field: &Field) -> Result<(), IoError>
         };
         points = points.iter().flat_map(along).collect();
     }
-    let (points, weights): (Vec<Vec<f64>>, Vec<f64>) = points.into_iter().unzip();
+    points.into_iter().unzip()
+}
+
+/// Modes of a field and where they are.
+fn save_eigenpairs(at: &Group, name: &str, field: &Field) -> Result<(), IoError> {
+    let (points, weights) = mode_points(field);
     save_text(at, "name", name, "name of the random field")?;
+    if let Some(kl) = field.on_cells() {
+        let meaning = "numbers of cells along x and y, in each of which the field is constant";
+        save_integers(at, "cells", &kl.cells().cells, &label("1", meaning, &["axis"]))?;
+    }
     let meaning = "lambda_m of the covariance, falling";
     save_vector(at, "eigenvalues", &field.eigenvalues(), &label("length^d", meaning, &["mode"]))?;
     if points.len() * field.len() > MODES {
         return save_text(at, "left_out", "modes: too many at too many points", "what is not stored, and why");
     }
-    let table = Mat::from_fn(points.len(), sides.len(), |i, j| points[i][j]);
+    let table = Mat::from_fn(points.len(), field.sides().len(), |i, j| points[i][j]);
     let meaning = "points of integration: arc length along the side, or places in the rectangle around the body";
     save_dense(at, "points", table.as_ref(), &label("length", meaning, &["point", "component"]))?;
     save_vector(at, "weights", &weights, &label("length^d", "their weights w", &["point"]))?;

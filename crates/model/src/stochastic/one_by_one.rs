@@ -1,0 +1,88 @@
+//! Outcomes that are solved one by one, of whatever body: at the points of a sparse grid, and samples.
+
+use steklov_contact::Solution;
+use steklov_problem::{Random, Sampling};
+use steklov_stochastic::{Variable, smolyak, solve_points};
+
+use super::in_body::BodySums;
+use super::jumps::InGerms;
+use super::number::Number;
+use super::outcomes::Answer;
+use super::result::{StochasticResult, Watch, of_grid};
+use super::samples::of_samples;
+use super::stage::OutcomeStage;
+use super::unseen::{beside_grid, beside_samples};
+use crate::error::SolveError;
+
+/// An outcome's germs to its answer; the solution of a similar outcome may be the start.
+pub(super) type Answering<'a> = dyn Fn(&[f64], &mut Option<Solution>) -> Result<Answer, SolveError> + Sync + 'a;
+
+/// How the outcomes of a scene are answered one by one.
+pub(super) struct OneByOne<'a> {
+    /// The requested numbers.
+    pub(super) numbers: &'a [Number],
+    /// The data in their germs.
+    pub(super) data: &'a InGerms<'a>,
+    pub(super) answer: &'a Answering<'a>,
+    /// Most answers that are held with their fields in the body, a multiple of the points of a chain.
+    pub(super) block: usize,
+}
+
+impl OneByOne<'_> {
+    /// Solves at the points of the sparse grid, or at the samples, that a scene asks for; and beside them.
+    ///
+    /// # Errors
+    /// An outcome that is impossible; an observer that fails; [`SolveError::Interrupted`].
+    pub(super) fn solve(
+        &self,
+        random: &Random,
+        watch: &Watch<'_>,
+        observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
+    ) -> Result<StochasticResult, SolveError> {
+        let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
+        if random.stochastic.method == Sampling::MonteCarlo {
+            let mut result = of_samples(self, &variables, random, watch, observe)?;
+            beside_samples(&mut result, self, random, watch)?;
+            return Ok(result);
+        }
+        let grid = smolyak(&variables, random.stochastic.level)?;
+        let mut answers = Vec::with_capacity(grid.points.len());
+        let mut sums = BodySums::default();
+        self.stream(grid.points.len(), &|i| grid.points[i].clone(), watch, &mut |first, germs, mut block| {
+            observe(OutcomeStage::Answers { first, count: grid.points.len(), answers: &block })?;
+            for (i, answer) in block.iter_mut().enumerate() {
+                sums.push(grid.weights[first + i], &std::mem::take(&mut answer.in_body));
+            }
+            drop(germs);
+            answers.extend(block);
+            Ok(())
+        })?;
+        let mut result = of_grid(grid.points.clone(), grid.weights.clone(), &answers, self.numbers)?;
+        result.in_body = sums.moments();
+        beside_grid(&mut result, (&grid, &answers), self, random, watch)?;
+        Ok(result)
+    }
+
+    /// Answers `count` outcomes, their germs by number, and hands them on block by block.
+    pub(super) fn stream(
+        &self,
+        count: usize,
+        germs: &(dyn Fn(usize) -> Vec<f64> + Sync),
+        watch: &Watch<'_>,
+        take: &mut dyn FnMut(usize, Vec<Vec<f64>>, Vec<Answer>) -> Result<(), SolveError>,
+    ) -> Result<(), SolveError> {
+        for first in (0..count).step_by(self.block) {
+            let block = self.block.min(count - first);
+            let answers = solve_points(block, |i, warm: &mut Option<Solution>| {
+                watch.check()?;
+                let germs = germs(first + i);
+                let answer = (self.answer)(&germs, warm)?;
+                Ok::<_, SolveError>((germs, answer))
+            })?;
+            watch.tell(first + block, count);
+            let (germs, answers) = answers.into_iter().unzip();
+            take(first, germs, answers)?;
+        }
+        Ok(())
+    }
+}

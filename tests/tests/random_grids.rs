@@ -1,0 +1,205 @@
+//! Random input on grids, against closed forms: bars of random cells, and a body that is pressed on a floor.
+
+use steklov_model::grid::GridLayout;
+use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic_on_grid};
+use steklov_problem::{Sampling, Scene};
+use steklov_stochastic::CellKarhunenLoeve;
+use steklov_tests::parse;
+
+fn read(text: &str) -> Scene {
+    parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+fn outcomes(scene: &Scene) -> StochasticResult {
+    let random = scene.random.as_ref().expect("random input");
+    let layout = GridLayout::first(scene).unwrap_or_else(|e| panic!("{e}"));
+    solve_stochastic_on_grid(scene, random, &layout, &|_, _| {}, &|| false, &mut |_| Ok(()))
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn quantity<'a>(result: &'a StochasticResult, name: &str) -> &'a Quantity {
+    result.quantities.iter().find(|q| q.name == name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+/// A bar of n cells in tension, E = exp(σ g).
+fn bar(n: usize, correlation: f64, sigma: f64, modes: usize, model: &str, coarse: usize) -> Scene {
+    let h = 1.0 / n as f64;
+    let fine = n / coarse;
+    read(&format!(
+        "title = \"bar\"\n[body]\ncorners = [[0, 0], [1, 0], [1, {h}], [0, {h}]]\n\
+         sides = [\"bottom\", \"end\", \"top\", \"clamp\"]\n[material]\npoisson = 0\n\
+         [material.cells]\nsize = {h}\nyoung = \"exp({sigma}*g)\"\n\
+         [random.g]\ncovariance = \"exponential\"\ncorrelation = [{correlation}, 1e9]\non = \"body\"\nmodes = {modes}\n\
+         variables = \"normal\"\n[grid]\ncoarse = [{coarse}, 1]\nfine = [{fine}, 1]\nbasis = \"oscillatory\"\n\
+         [sides.clamp]\ndisplacement = [0, \"free\"]\n[sides.bottom]\ndisplacement = [\"free\", 0]\n\
+         [sides.end]\ntraction = [1, 0]\n[method]\nmodel = \"{model}\"\nrefine = \"none\"\n[probe]\npoints = [[1, 0]]\n\
+         [stochastic]\nlevel = 5\nmax_nodes = 100000\nquantities = [\"probe.0.displacement.x\"]\n"
+    ))
+}
+
+/// V_ij = Σ_m λ_m b_m,i b_m,j of the field of a scene.
+fn covariance(scene: &Scene) -> Vec<Vec<f64>> {
+    let random = scene.random.as_ref().expect("random input");
+    let (field, _) = random.fields().next().expect("a field");
+    let kl: &CellKarhunenLoeve = field.expansion.on_cells().expect("a field of cells");
+    let cells = kl.cells().body();
+    let entry = |i: usize, j: usize| {
+        let modes = kl.eigenvalues().iter().enumerate();
+        modes.map(|(m, value)| value * kl.mode(m)[i] * kl.mode(m)[j]).sum()
+    };
+    cells.iter().map(|&i| cells.iter().map(|&j| entry(i, j)).collect()).collect()
+}
+
+/// Without lateral contraction u = ∫ dx/E: mean Σ h exp(σ² V_ii/2) and variance Σ_ij h² exp(σ² (V_ii + V_jj)/2)
+/// (exp(σ² V_ij) - 1) over the cells before a node, by bilinear and by multiscale elements; E itself is lognormal.
+#[test]
+fn bars_of_random_cells_have_their_closed_forms() {
+    for (n, correlation, sigma, modes, model, coarse) in [
+        (16, 0.5, 0.2, 3, "fem", 16),
+        (8, 0.1, 0.3, 2, "fem", 8),
+        (5, 3.0, 0.1, 4, "fem", 5),
+        (12, 0.25, 0.2, 2, "msfem", 3),
+    ] {
+        let scene = bar(n, correlation, sigma, modes, model, coarse);
+        let (result, v) = (outcomes(&scene), covariance(&scene));
+        let h = 1.0 / n as f64;
+        let square = sigma * sigma;
+        let rise = |i: usize| (0.5 * square * v[i][i]).exp();
+        let mean = |k: usize| (0..k).map(|i| h * rise(i)).sum::<f64>();
+        let variance = |k: usize| -> f64 {
+            let pairs = (0..k).flat_map(|i| (0..k).map(move |j| (i, j)));
+            pairs.map(|(i, j)| h * h * rise(i) * rise(j) * (square * v[i][j]).exp_m1()).sum()
+        };
+        let tip = quantity(&result, "probe.0.displacement.x");
+        let (off, off_variance) = (tip.mean - mean(n), tip.variance / variance(n) - 1.0);
+        println!("{n} cells, {modes} modes, {model}: mean off by {off:.1e}, variance by {off_variance:.1e}");
+        // level 5 leaves less than that of exp(σ Σ c ξ)
+        assert!(off.abs() < 1e-11 && off_variance.abs() < 1e-8, "{n} {modes} {model}: {off:e} {off_variance:e}");
+        assert!(variance(n) > 1e-3 * mean(n).powi(2));
+
+        let body = result.in_body.as_ref().expect("moments in the body");
+        for i in 0..n {
+            let stress = [0, 1, 2].map(|k| (body.stress.mean[3 * i + k], body.stress.variance[3 * i + k].sqrt()));
+            for ((mean, deviation), exact) in stress.into_iter().zip([1.0, 0.0, 0.0]) {
+                assert!((mean - exact).abs() < 1e-11 && deviation < 1e-6, "{n} {i}: {stress:?}");
+            }
+            let (young, spread) = (rise(i), rise(i) * rise(i) * (square * v[i][i]).exp_m1());
+            assert!((body.young.mean[i] - young).abs() < 1e-11, "{n} {i}: {} {young}", body.young.mean[i]);
+            assert!((body.young.variance[i] / spread - 1.0).abs() < 1e-8, "{n} {i}: {spread}");
+        }
+        let points = body.displacement.mean.len() / 2;
+        assert_eq!(points, 2 * (n + 1));
+        let mut seen = 0;
+        for node in 0..points {
+            let (u, spread) = (body.displacement.mean[2 * node], body.displacement.variance[2 * node]);
+            let k = (0..=n).find(|&k| (u - mean(k)).abs() < 1e-11).unwrap_or_else(|| panic!("{n}: node {node}: {u}"));
+            assert!((spread - variance(k)).abs() < 1e-8 * variance(n), "{n} {node}: {spread}");
+            seen += k;
+        }
+        assert_eq!(seen, n * (n + 1), "both rows of nodes have each position once");
+    }
+}
+
+/// On a body that is no rectangle the moduli are lognormal with the variance of the modes in each cell.
+#[test]
+fn moduli_of_an_l_shape_are_lognormal() {
+    let scene = read(
+        "title = \"L\"\n[body]\ncorners = [[0, 0], [1, 0], [1, 0.5], [0.5, 0.5], [0.5, 1], [0, 1]]\n\
+         sides = [\"bottom\", \"right\", \"a\", \"b\", \"top\", \"left\"]\n[material]\npoisson = 0.3\n\
+         [material.cells]\nsize = 0.125\nyoung = \"2*exp(0.2*g)\"\n[random.g]\ncovariance = \"gaussian\"\n\
+         correlation = 0.5\non = \"body\"\nmodes = 3\nvariables = \"normal\"\n[grid]\ncoarse = [8, 8]\nfine = [1, 1]\n\
+         [sides.bottom]\ndisplacement = [0, 0]\n[sides.top]\ntraction = [0, -1]\n[method]\nrefine = \"none\"\n\
+         [stochastic]\nlevel = 4\nquantities = [\"strain_energy\"]\n",
+    );
+    let (result, v) = (outcomes(&scene), covariance(&scene));
+    let body = result.in_body.as_ref().expect("moments in the body");
+    assert_eq!(body.young.mean.len(), 48);
+    assert!(v.iter().enumerate().all(|(i, row)| row[i] > 0.1 && row[i] < 1.0));
+    // the grid numbers its cells along x first, the field along y: each variance is somewhere
+    let mut exact: Vec<f64> = (0..48).map(|i| 2.0 * (0.02 * v[i][i]).exp()).collect();
+    let mut means = body.young.mean.clone();
+    exact.sort_by(f64::total_cmp);
+    means.sort_by(f64::total_cmp);
+    for (mean, exact) in means.iter().zip(&exact) {
+        assert!((mean - exact).abs() < 1e-10, "{mean} {exact}");
+    }
+    let energy = quantity(&result, "strain_energy");
+    assert!(energy.variance > 0.0 && energy.truncation.is_some_and(|t| t < 0.01 * energy.variance.sqrt()));
+}
+
+/// A square without lateral contraction, its top pressed down by d, its floor a gap g below: F = E (d - g) in each outcome.
+fn pressed(method: &str) -> Scene {
+    read(&format!(
+        "title = \"pressed\"\n[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\n\
+         sides = [\"floor\", \"right\", \"top\", \"left\"]\n[material]\nyoung = \"E\"\npoisson = 0\n\
+         [random.E]\ndistribution = \"lognormal\"\nmean = 2000\ndeviation = 300\n\
+         [random.gap]\ndistribution = \"uniform\"\nlow = 0.001\nhigh = 0.003\n\
+         [random.d]\ndistribution = \"beta\"\nalpha = 2\nbeta = 3\nlow = 0.01\nhigh = 0.02\n\
+         [sides.floor]\ncontact = {{ gap = \"gap\" }}\n[sides.top]\ndisplacement = [0, \"-d\"]\n\
+         [grid]\ncoarse = [4, 4]\nfine = [1, 1]\n[method]\nmodel = \"fem\"\nrefine = \"none\"\n\
+         [stochastic]\n{method}\nquantities = [\"contact.force.y\", \"contact.max_pressure\", \"contact.length\"]\n"
+    ))
+}
+
+#[test]
+fn the_force_of_a_pressed_square_has_its_closed_form() {
+    // second moments of independent factors multiply
+    let (young, young_variance): (f64, f64) = (2000.0, 300.0f64.powi(2));
+    let (gap, gap_variance) = (0.002, 0.002f64.powi(2) / 12.0);
+    let (d, d_variance) = (0.01 + 0.01 * 0.4, 0.01f64.powi(2) * 6.0 / (25.0 * 6.0));
+    let path = d - gap;
+    let mean = young * path;
+    let variance = (young * young + young_variance) * (path * path + gap_variance + d_variance) - mean * mean;
+    let result = outcomes(&pressed("level = 2"));
+    for name in ["contact.force.y", "contact.max_pressure"] {
+        let force = quantity(&result, name);
+        let (off, off_variance) = (force.mean / mean - 1.0, force.variance / variance - 1.0);
+        println!("{name}: mean off by {off:.1e}, variance by {off_variance:.1e}");
+        // the square of a lognormal variable is a polynomial of no degree
+        assert!(off.abs() < 1e-8 && off_variance.abs() < 1e-4, "{name}: {off:e} {off_variance:e}");
+    }
+    assert!((quantity(&result, "contact.length").mean - 1.0).abs() < 1e-12);
+    assert!(result.probability.iter().all(|p| (p - 1.0).abs() < 1e-12));
+
+    let scene = pressed("method = \"monte-carlo\"\nsamples = 200\nseed = 5");
+    let (result, random) = (outcomes(&scene), scene.random.as_ref().expect("random input"));
+    let force = quantity(&result, "contact.force.y");
+    for (germs, value) in result.points.iter().zip(&force.values) {
+        let [young, gap, d] = [0, 1, 2].map(|k| random.germs[k].variable.value(germs[k]));
+        assert!((value / (young * (d - gap)) - 1.0).abs() < 1e-10, "{germs:?}: {value}");
+    }
+    let error = force.standard_error.expect("of samples");
+    assert!((force.mean - mean).abs() < 4.0 * error && error < 0.03 * mean, "{} ± {error}: {mean}", force.mean);
+}
+
+/// What cannot be solved is refused by its place, for readers of scenes and for programs.
+#[test]
+fn random_grids_that_cannot_be_solved_are_refused() {
+    let whole = "title = \"t\"\n[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\n\
+                 sides = [\"floor\", \"right\", \"top\", \"left\"]\n[material]\npoisson = 0.3\n\
+                 [material.cells]\nsize = 0.25\nyoung = \"YOUNG\"\n[random.g]\ncovariance = \"exponential\"\n\
+                 correlation = 0.5\non = \"ON\"\nmodes = 2\n[sides.floor]\ndisplacement = [0, 0]\n\
+                 [sides.top]\ntraction = [\"LOAD\", -1]\n[grid]\ncoarse = [4, 4]\nfine = [1, 1]\n\
+                 [stochastic]\nmethod = \"METHOD\"\n";
+    let text = |young: &str, on: &str, load: &str, method: &str| {
+        whole.replace("YOUNG", young).replace("ON", on).replace("LOAD", load).replace("METHOD", method)
+    };
+    assert!(parse(&text("exp(g)", "body", "0", "sparse"), &[]).is_ok());
+    let loads = "[sides.floor]\ndisplacement = [0, 0]\n[sides.top]\ntraction = [\"0\", -1]\n";
+    let medium = "[exterior]\nyoung = 1\npoisson = 0.3\nremote_stress = [1, 0, 0]\n";
+    for (text, said) in [
+        (text("exp(g)", "body", "0", "sparse").replace(loads, medium), "needs one material"),
+        (text("exp(g)", "body", "0", "galerkin"), "a body of its own"),
+        (text("exp(g)", "body", "0", "collocation"), "method = \"sparse\""),
+        (text("exp(g)", "body", "g", "sparse"), "means over the modulus cells"),
+        (text("exp(g)", "top", "0", "sparse"), "of side \"top\""),
+        (text("1 + g", "body", "0", "sparse"), "Young's modulus is -"),
+        (text("1", "body", "g", "galerkin"), "a body of its own"),
+    ] {
+        let error = parse(&text, &[]).err().map(|e| e.render()).unwrap_or_default();
+        assert!(error.contains(said), "{said}: {error}");
+    }
+    let mut scene = read(&text("exp(g)", "body", "0", "sparse"));
+    scene.random.as_mut().expect("random input").stochastic.method = Sampling::Galerkin;
+    assert!(scene.check().is_err());
+}
