@@ -100,6 +100,94 @@ fn bars_of_random_cells_have_their_closed_forms() {
     }
 }
 
+/// A square of n × n cells in tension whose modulus varies along it: u = ∫ dx/E at its end, on all grids of a family.
+fn square(n: usize, sigma: f64, young: &str, seed: u64) -> Scene {
+    let h = 1.0 / n as f64;
+    read(&format!(
+        "title = \"square\"\n[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\n\
+         sides = [\"bottom\", \"end\", \"top\", \"clamp\"]\n[parameters]\nsigma = {sigma}\n[material]\npoisson = 0\n\
+         {young}\n[random.g]\ncovariance = \"exponential\"\ncorrelation = [0.5, 1e9]\non = \"body\"\nmodes = 5\n\
+         variables = \"normal\"\n[grid]\ncoarse = [{n}, {n}]\nfine = [1, 1]\n[sides.clamp]\ndisplacement = [0, \"free\"]\n\
+         [sides.bottom]\ndisplacement = [\"free\", 0]\n[sides.end]\ntraction = [1, 0]\n[method]\nmodel = \"fem\"\n\
+         refine = \"none\"\n[probe]\npoints = [[1, 0]]\n[stochastic]\nmethod = \"multilevel\"\ntolerance = 0.03\n\
+         seed = {seed}\nquantities = [\"probe.0.displacement.x\"]\n"
+    )
+    .replace("SIZE", &h.to_string()))
+}
+
+/// The mean over a family of grids is that of the finest one, and its standard error is the scatter of repetitions; moduli of
+/// coarse grids are those of one law whichever member of a difference they are.
+#[test]
+fn levels_add_up_to_the_finest_grid() {
+    let cells = "[material.cells]\nsize = SIZE\nyoung = \"exp(sigma*g)\"";
+    let (n, sigma) = (16, 0.3);
+    let v = covariance(&square(n, sigma, cells, 0));
+    // a cell of each column: all rows have the same field
+    let column = |i: usize| n * i;
+    let square_of = sigma * sigma;
+    let rise = |i: usize| (0.5 * square_of * v[column(i)][column(i)]).exp() / n as f64;
+    let exact: f64 = (0..n).map(rise).sum();
+    let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let product = |(i, j): (usize, usize)| rise(i) * rise(j) * (square_of * v[column(i)][column(j)]).exp_m1();
+    let variance: f64 = pairs.map(product).sum();
+    let repetitions = 12;
+    let mut scatter = 0.0;
+    for seed in 0..repetitions {
+        let result = outcomes(&square(n, sigma, cells, seed));
+        let tip = quantity(&result, "probe.0.displacement.x");
+        let error = tip.standard_error.expect("of samples");
+        assert!(error <= 0.0301 * tip.variance.sqrt(), "{seed}: {error} of {}", tip.variance);
+        assert!((tip.variance / variance - 1.0).abs() < 0.25, "{seed}: {} {variance}", tip.variance);
+        assert_eq!(result.levels.last().map(|l| l.cells), Some([n; 2]));
+        assert!(result.levels.len() > 1 && (result.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+        scatter += ((tip.mean - exact) / error).powi(2) / repetitions as f64;
+    }
+    println!("scatter {:.2} standard errors", scatter.sqrt());
+    // chi-square with 12 degrees of freedom: 1e-4 on either side
+    assert!((0.35..1.8).contains(&scatter.sqrt()), "{scatter}");
+}
+
+/// Moduli by number are replaced by their geometric means; grids that cannot be halved are the coarsest.
+#[test]
+fn grids_are_halved_as_far_as_they_go() {
+    let uniform = "young = { uniform = [1, 4], seed = 3 }";
+    let random = "[random.q]\ndistribution = \"uniform\"\nlow = 1\nhigh = 2\n";
+    let text = |n: usize, size: f64| {
+        read(&format!(
+            "title = \"t\"\n[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\n\
+             sides = [\"floor\", \"right\", \"top\", \"left\"]\n[material]\npoisson = 0.3\n[material.cells]\nsize = {size}\n\
+             {uniform}\n{random}[sides.floor]\ndisplacement = [0, 0]\n[sides.top]\ntraction = [0, \"-q\"]\n\
+             [grid]\ncoarse = [{n}, {n}]\nfine = [1, 1]\n[method]\nmodel = \"fem\"\nrefine = \"none\"\n\
+             [stochastic]\nmethod = \"multilevel\"\nquantities = [\"strain_energy\"]\n"
+        ))
+    };
+    // cells of the grid first, down to those of the modulus
+    let scene = text(12, 0.25);
+    let same = |a: &Scene, b: &Scene| {
+        let of = |s: &Scene| s.body().cells().expect("cells").size;
+        assert_eq!(of(a), of(b));
+    };
+    let six = scene.coarsened().expect("6 cells, which 4 modulus cells do not divide and 2 do");
+    assert_eq!(six.body().cells().map(|cells| cells.size), Some(0.5));
+    let scene = text(16, 0.25);
+    let eight = scene.coarsened().expect("8 cells");
+    let four = eight.coarsened().expect("4 cells");
+    same(&scene, &four);
+    let two = four.coarsened().expect("2 cells");
+    let grid = steklov_problem::grid_of(&four).expect("a grid");
+    let fine = steklov_problem::moduli(&four, &grid).expect("moduli");
+    let coarse = steklov_problem::moduli(&two, &steklov_problem::grid_of(&two).expect("a grid")).expect("moduli");
+    let total = |all: &[f64]| all.iter().map(|e| e.ln()).sum::<f64>() / all.len() as f64;
+    assert_eq!((fine.len(), coarse.len()), (16, 4));
+    assert!((total(&fine) - total(&coarse)).abs() < 1e-14);
+    assert!(two.coarsened().is_none_or(|one| one.coarsened().is_none()));
+    // loads alone are random: the energy is q² times a number on each grid
+    let result = outcomes(&scene);
+    let energy = quantity(&result, "strain_energy");
+    assert_eq!(result.levels.len(), 4);
+    assert!((energy.variance.sqrt() / energy.mean - 0.373).abs() < 0.01, "{} {}", energy.mean, energy.variance);
+}
+
 /// On a body that is no rectangle the moduli are lognormal with the variance of the modes in each cell.
 #[test]
 fn moduli_of_an_l_shape_are_lognormal() {
@@ -195,6 +283,7 @@ fn random_grids_that_cannot_be_solved_are_refused() {
         (text("exp(g)", "top", "0", "sparse"), "of side \"top\""),
         (text("1 + g", "body", "0", "sparse"), "Young's modulus is -"),
         (text("1", "body", "g", "galerkin"), "a body of its own"),
+        (text("exp(g)", "body", "0", "multilevel") + "[method]\nmodel = \"msfem\"\n", "a family of grids"),
     ] {
         let error = parse(&text, &[]).err().map(|e| e.render()).unwrap_or_default();
         assert!(error.contains(said), "{said}: {error}");

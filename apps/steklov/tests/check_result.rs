@@ -29,7 +29,7 @@ const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"
 const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
 const FEW: &str = "method.max_steps=3";
 
-const KINDS: [Kind; 19] = [
+const KINDS: [Kind; 20] = [
     kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
@@ -72,6 +72,12 @@ const KINDS: [Kind; 19] = [
         "68-bar-of-a-random-field",
         &["random.g.modes=2", "stochastic.level=2"],
         &["outcomes", "eigenpairs", "K ", "equilibrium"],
+    ),
+    kind(
+        "multilevel",
+        "68-bar-of-a-random-field",
+        &["random.g.modes=2", "stochastic.method=\"multilevel\"", "stochastic.tolerance=0.1"],
+        &["eigenpairs", "K ", "equilibrium"],
     ),
     kind("fem", "39-weight-that-varies", &[], &["K ", "equilibrium", "strain energy"]),
     kind("msfem", "38-l-shape-of-random-cells", &["grid.fine=[4, 4]", FEW], &["K_H ", "basis", "strain energy"]),

@@ -678,10 +678,15 @@ pub(super) static STOCHASTIC: Table = table(
             .without("2, on a grid 1 with more than 10 germs"),
         key("refine", Words(&words(&SPLITS)), "", "Whether stochastic elements are split where contact changes.")
             .or(|| quoted(&SPLITS, Stochastic::default().refine)),
-        key("tolerance", Form::Number(FRACTION), "", "Wanted truncation of refine = \"adaptive\".")
-            .or(|| number(Stochastic::default().tolerance)),
-        key("max_nodes", Form::Whole(NODES), "", "Most outcomes that refine = \"adaptive\" solves.")
-            .or(|| Stochastic::default().max_nodes.to_string()),
+        key(
+            "tolerance",
+            Form::Number(FRACTION),
+            "",
+            "Wanted truncation of refine = \"adaptive\"; of multilevel the standard errors of means over the deviations.",
+        )
+        .without("1e-4, of multilevel 0.01"),
+        key("max_nodes", Form::Whole(NODES), "", "Most outcomes that refine = \"adaptive\" and multilevel solve.")
+            .without("10000, of multilevel 10 million"),
         key(
             "samples",
             Form::Whole(SAMPLES),

@@ -220,6 +220,7 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     if on_grid {
         random::on_grid(&mut stochastic, of_outcomes.as_ref());
     }
+    random::multilevel(&mut stochastic, of_outcomes.as_ref());
     let (names, germs) = random::used(declared, stochastic.method, &problem, &used)?;
     if on_grid {
         random::level_on_grid(&mut stochastic, of_outcomes.as_ref(), germs.len());

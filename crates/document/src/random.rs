@@ -34,11 +34,12 @@ pub(super) const VARIABLES: [(&str, bool); 2] = [(UNIFORM, true), (NORMAL, false
 /// Share of the variance of a field that is kept.
 pub(super) const CAPTURED: f64 = 0.95;
 /// Every choice of outcomes and its word.
-pub(super) const SAMPLINGS: [(&str, Sampling); 4] = [
+pub(super) const SAMPLINGS: [(&str, Sampling); 5] = [
     ("galerkin", Sampling::Galerkin),
     ("collocation", Sampling::Collocation),
     ("sparse", Sampling::Sparse),
     ("monte-carlo", Sampling::MonteCarlo),
+    ("multilevel", Sampling::Multilevel),
 ];
 /// Whether stochastic elements are split, and the words.
 pub(super) const SPLITS: [(&str, bool); 2] = [("none", false), ("adaptive", true)];
@@ -86,6 +87,21 @@ const FEW: usize = 10;
 pub(super) fn on_grid(stochastic: &mut Stochastic, given: Option<&Fields<'_>>) {
     if given.is_none_or(|given| given.get("method").is_none()) {
         stochastic.method = Sampling::Sparse;
+    }
+}
+
+/// Standard errors of a hundredth of the deviations, and as many outcomes as they take, for multilevel Monte Carlo where the
+/// scene leaves them open.
+pub(super) fn multilevel(stochastic: &mut Stochastic, given: Option<&Fields<'_>>) {
+    if stochastic.method != Sampling::Multilevel {
+        return;
+    }
+    let open = |key: &str| given.is_none_or(|given| given.get(key).is_none());
+    if open("tolerance") {
+        stochastic.tolerance = 0.01;
+    }
+    if open("max_nodes") {
+        stochastic.max_nodes = 10_000_000;
     }
 }
 
@@ -376,7 +392,7 @@ pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, ReadError> {
     let only_point = match read.method {
         Sampling::Galerkin | Sampling::Collocation => read.degree == 0 && read.elements == 1 && !read.refine,
         Sampling::Sparse => read.level == 0,
-        Sampling::MonteCarlo => false,
+        Sampling::MonteCarlo | Sampling::Multilevel => false,
     };
     if let Some(field) = table.get("degree").or(table.get("level")).filter(|_| only_point) {
         let message = format!("{} is 0: one point stands for all outcomes, and every deviation is 0", field.name);

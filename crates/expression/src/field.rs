@@ -162,19 +162,25 @@ fn times(steepness: f64, reach: f64) -> f64 {
 #[derive(Debug, Clone, Default)]
 pub struct FieldValue {
     outcome: Option<(Arc<RandomField>, Vec<f64>)>,
+    /// Its values in all cells, if it is one of cells.
+    in_cells: Vec<f64>,
 }
 
 impl FieldValue {
     /// The outcome for the germs of the field's modes.
     pub fn new(field: Arc<RandomField>, germs: Vec<f64>) -> Self {
-        Self { outcome: Some((field, germs)) }
+        let in_cells = field.expansion.on_cells().map_or(Vec::new(), |kl| kl.values(&germs));
+        Self { outcome: Some((field, germs)), in_cells }
     }
 
     /// Value at a point.
     pub fn value(&self, point: [f64; 2]) -> f64 {
-        self.outcome
-            .as_ref()
-            .map_or(0.0, |(field, germs)| field.expansion.value(field.support.coordinates(point), germs))
+        let Some((field, germs)) = &self.outcome else { return 0.0 };
+        let place = field.support.coordinates(point);
+        match field.expansion.on_cells() {
+            Some(kl) => self.in_cells[kl.cells().containing(place)],
+            None => field.expansion.value(place, germs),
+        }
     }
 
     /// Enclosures over a box: the value in its middle, and what it may change by up to the ends.

@@ -3,12 +3,14 @@
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_model::stochastic::{intervals, is_coupled, method};
 use steklov_problem::{Condition, Germ, Random, Sampling, Scene, grid_of, moduli};
-use steklov_stochastic::smolyak;
+use steklov_stochastic::{Field, smolyak};
 
 use super::Decision;
 
 /// Number of intervals along an edge, at whose ends data are compared.
 const STEPS: usize = 32;
+/// Share of a field's variance which cells may lose without a warning.
+const UNRESOLVED: f64 = 0.1;
 /// Largest number of germs that are named one by one.
 const NAMED: usize = 8;
 
@@ -22,6 +24,7 @@ pub fn points(scene: &Scene, random: &Random) -> f64 {
         Sampling::Galerkin | Sampling::Collocation => random.germs.iter().zip(scene.cuts(random)).map(of).product(),
         Sampling::Sparse => sparse(random).unwrap_or(f64::INFINITY),
         Sampling::MonteCarlo => settings.samples as f64,
+        Sampling::Multilevel => settings.max_nodes as f64,
     }
 }
 
@@ -51,6 +54,10 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
         ),
         Sampling::Sparse => format!("sparse grid of level {} in {germs} germ(s): {count} points", settings.level),
         Sampling::MonteCarlo => format!("{count} samples of {germs} germ(s), seed {}", settings.seed),
+        Sampling::Multilevel => format!(
+            "samples of {germs} germ(s) on a family of grids, seed {}, until standard errors are {} of the deviations",
+            settings.seed, settings.tolerance
+        ),
     };
     let each = match scene.is_on_grid() {
         true => "each a body of its own, with a factorisation of the grid",
@@ -87,7 +94,7 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
         modelled.push(decision(
             "random field",
             choice,
-            format!("they carry {:.2} % of its variance", 100.0 * captured),
+            format!("they carry {:.2} % of its variance{}", 100.0 * captured, coarse_cells(&field.expansion)),
         ));
     }
     for (germ, moved) in random.germs.iter().zip(sensitivities(scene, random)) {
@@ -98,6 +105,20 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
     }
     if germs > NAMED {
         left_out.push(decision("germs", format!("{} more", germs - NAMED), "not named here".into()));
+    }
+}
+
+/// A warning of cells that are too large for a field.
+fn coarse_cells(field: &Field) -> String {
+    let unresolved = field.unresolved();
+    match unresolved > UNRESOLVED {
+        true => format!(
+            "; the means over its cells lose {:.0} %, however many modes: cells of less than a sixth of the correlation \
+             length lose less than {:.0} %",
+            100.0 * unresolved,
+            100.0 * UNRESOLVED
+        ),
+        false => String::new(),
     }
 }
 

@@ -26,6 +26,7 @@
 //! ```
 
 mod cells;
+mod coarsened;
 mod check;
 mod cracks;
 mod error;

@@ -119,9 +119,19 @@ impl Scene {
         DataError::at(Kind::Missing, &[key], format!("{message}{no_grid}"), help)
     }
 
+    /// The refusal of multilevel Monte Carlo without a family of grids.
+    pub fn no_family_of_grids(&self) -> DataError {
+        let message = "multilevel Monte Carlo needs a family of grids".to_owned();
+        let help = "give a [grid] and method.model = \"fem\", or take method = \"monte-carlo\"";
+        DataError::at(Kind::Unsupported, &[vec!["stochastic", "method"], vec!["random"]], message, help)
+    }
+
     /// Random input on a grid: the methods that solve outcome by outcome.
     fn check_random_on_grid(&self) -> Result<(), DataError> {
         let method = self.random.as_ref().map(|random| random.stochastic.method);
+        if method == Some(Sampling::Multilevel) && self.model() != Model::Fem {
+            return Err(self.no_family_of_grids());
+        }
         let Some(Sampling::Galerkin | Sampling::Collocation) = method else { return Ok(()) };
         let message = "on a grid each outcome is a body of its own, which a mesh of the germs would couple".to_owned();
         let help = "take method = \"sparse\" for smooth answers of few germs, or \"monte-carlo\"";

@@ -116,20 +116,34 @@ pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, DataError> {
     let body = scene.body();
     let Substance::Cells(cells) = &body.substance else { return Ok(vec![body.material().young; nx * ny]) };
     let counts = check_modulus_cells(scene, cells, grid.cells)?;
-    let (low, _) = bounding_box(&scene.problem.outline);
-    let centre = |i: usize| [0, 1].map(|k| low[k] + cells.size * ([i / counts[1], i % counts[1]][k] as f64 + 0.5));
-    let all = 0..counts[0] * counts[1];
-    let values = match &cells.young {
-        CellModuli::Uniform { low, high, seed } => {
-            all.map(|i| low + (high - low) * unit_uniform(*seed, i as u64)).collect()
-        }
-        CellModuli::Expression(young) => all.map(centre).map(|[x, y]| young.eval(x, y, 0.0)).collect(),
-        CellModuli::Table { values, .. } => values.to_vec(),
-    };
+    let values = modulus_values(scene, cells, counts);
     let parent = |cell: usize| parent(grid.cell(cell), grid.cells, counts);
     match grid.body_cells().map(parent).find(|&i| !(values[i] > 0.0 && values[i].is_finite())) {
         None => Ok((0..nx * ny).map(|cell| values[parent(cell)]).collect()),
-        Some(i) => Err(impossible(&cells.young, values[i], ([i / counts[1], i % counts[1]], counts), centre(i))),
+        Some(i) => {
+            let centre = centre(scene, cells, counts, i);
+            Err(impossible(&cells.young, values[i], ([i / counts[1], i % counts[1]], counts), centre))
+        }
+    }
+}
+
+/// The middle of a modulus cell.
+fn centre(scene: &Scene, cells: &Cells, counts: [usize; 2], i: usize) -> [f64; 2] {
+    let (low, _) = bounding_box(&scene.problem.outline);
+    [0, 1].map(|k| low[k] + cells.size * ([i / counts[1], i % counts[1]][k] as f64 + 0.5))
+}
+
+/// Young's modulus of every modulus cell of the bounding box.
+pub(super) fn modulus_values(scene: &Scene, cells: &Cells, counts: [usize; 2]) -> Vec<f64> {
+    let all = 0..counts[0] * counts[1];
+    match &cells.young {
+        CellModuli::Uniform { low, high, seed } => {
+            all.map(|i| low + (high - low) * unit_uniform(*seed, i as u64)).collect()
+        }
+        CellModuli::Expression(young) => {
+            all.map(|i| centre(scene, cells, counts, i)).map(|[x, y]| young.eval(x, y, 0.0)).collect()
+        }
+        CellModuli::Table { values, .. } => values.to_vec(),
     }
 }
 

@@ -64,7 +64,7 @@ fn outermost(variable: &Variable, settings: &Stochastic) -> Result<Vec<f64>, Sto
     let variables = std::slice::from_ref(variable);
     let first = |points: Vec<Vec<f64>>| points.into_iter().map(|p| p[0]);
     match settings.method {
-        Sampling::MonteCarlo => Ok(Vec::new()),
+        Sampling::MonteCarlo | Sampling::Multilevel => Ok(Vec::new()),
         Sampling::Sparse => Ok(first(smolyak(variables, settings.level)?.points).collect()),
         Sampling::Galerkin | Sampling::Collocation => {
             let n = settings.elements as f64;

@@ -75,6 +75,8 @@ pub enum Sampling {
     Sparse,
     /// Independent samples.
     MonteCarlo,
+    /// Samples of differences between grids of a family.
+    Multilevel,
 }
 
 /// `[stochastic]`.

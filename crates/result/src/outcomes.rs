@@ -5,7 +5,7 @@ use steklov_io::{
     Group, IoError, create_group, invalid, label, load_dense, load_integers, load_number, load_texts, load_vector,
     open_group, save_dense, save_integers, save_number, save_texts, save_vector,
 };
-use steklov_model::stochastic::{BodyMoments, Cells, End, FieldModes, Quantity, StochasticResult};
+use steklov_model::stochastic::{BodyMoments, Cells, End, FieldModes, Level, Quantity, StochasticResult};
 use steklov_stochastic::{Histogram, Moments};
 
 fn matrix(rows: &[Vec<f64>]) -> Mat<f64> {
@@ -81,6 +81,9 @@ pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
         let degree: Vec<Vec<f64>> = cells.degree.iter().map(|d| d.iter().map(|q| *q as f64).collect()).collect();
         save_dense(&group, "degree", matrix(&degree).as_ref(), &label("1", "polynomial degrees", axes))?;
     }
+    if !result.levels.is_empty() {
+        save_levels(&create_group(at, "levels")?, &result.levels)?;
+    }
     let probabilities = label("1", "probabilities of the quantiles", &["probability"]);
     save_vector(at, "probabilities", &result.probabilities, &probabilities)?;
     let names: Vec<String> = result.quantities.iter().map(|q| q.name.clone()).collect();
@@ -97,6 +100,9 @@ pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
         let eigen = label("length^d", "eigenvalues of the covariance", &["mode"]);
         save_vector(&group, "eigenvalues", &field.eigenvalues, &eigen)?;
         save_number(&group, "captured", field.captured, "1", "share of the variance that is kept")?;
+        if field.unresolved > 0.0 {
+            save_number(&group, "unresolved", field.unresolved, "1", "share that means over cells cannot have")?;
+        }
         let points = label("length", "arc length along the side, or points of the body", &["point", "component"]);
         save_dense(&group, "points", matrix(&field.points).as_ref(), &points)?;
         let modes = label("1", "square root of the eigenvalue times the mode", &["point", "mode"]);
@@ -176,6 +182,7 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
             name,
             eigenvalues: load_vector(&group, "eigenvalues")?,
             captured: load_number(&group, "captured")?,
+            unresolved: number(&group, "unresolved")?.unwrap_or(0.0),
             points: vectors(&group, "points")?,
             modes: vectors(&group, "modes")?,
         });
@@ -193,6 +200,10 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
         displacement: load_moments(at, "displacement")?,
         stress_displacement: match at.link_exists("stress_displacement") {
             true => load_vector(at, "stress_displacement")?,
+            false => Vec::new(),
+        },
+        levels: match at.link_exists("levels") {
+            true => load_levels(&open_group(at, "levels")?)?,
             false => Vec::new(),
         },
         in_body: at.link_exists("body").then(|| load_body(&open_group(at, "body")?)).transpose()?,
@@ -263,6 +274,37 @@ fn load_moments(at: &Group, name: &str) -> Result<Moments, IoError> {
     } else {
         Err(invalid(&group, "variance", "means and variances differ in number"))
     }
+}
+
+fn save_levels(at: &Group, levels: &[Level]) -> Result<(), IoError> {
+    let of = |value: &dyn Fn(&Level) -> f64| levels.iter().map(value).collect::<Vec<f64>>();
+    let (cells, axis) = ("numbers of cells along x and y, from the coarsest grid on", &["level", "axis"]);
+    let counts: Vec<Vec<f64>> = levels.iter().map(|l| l.cells.map(|n| n as f64).to_vec()).collect();
+    save_dense(at, "cells", matrix(&counts).as_ref(), &label("1", cells, axis))?;
+    let outcomes: Vec<usize> = levels.iter().map(|l| l.outcomes).collect();
+    save_integers(at, "outcomes", &outcomes, &label("1", "outcomes of each level", &["level"]))?;
+    let meaning = "cost of an outcome, as a part of a solution on the finest grid";
+    save_vector(at, "cost", &of(&|l| l.cost), &label("1", meaning, &["level"]))?;
+    let variances: Vec<Vec<f64>> = levels.iter().map(|l| l.variances.clone()).collect();
+    let meaning = "variance of the difference from the coarser grid, of the first level that of the value";
+    let axes = &["level", "quantity"];
+    save_dense(at, "variance", matrix(&variances).as_ref(), &label("of the quantity, squared", meaning, axes))
+}
+
+fn load_levels(at: &Group) -> Result<Vec<Level>, IoError> {
+    let (cells, variances) = (rows(&load_dense(at, "cells")?), rows(&load_dense(at, "variance")?));
+    let (outcomes, cost) = (load_integers(at, "outcomes")?, load_vector(at, "cost")?);
+    let lengths = [cells.len(), variances.len(), cost.len()];
+    if lengths != [outcomes.len(); 3] || cells.iter().any(|c| c.len() != 2) {
+        return Err(invalid(at, "outcomes", "its levels differ in number"));
+    }
+    let level = |l: usize| Level {
+        cells: [0, 1].map(|k| cells[l][k] as usize),
+        outcomes: outcomes[l],
+        cost: cost[l],
+        variances: variances[l].clone(),
+    };
+    Ok((0..outcomes.len()).map(level).collect())
 }
 
 fn load_body(at: &Group) -> Result<BodyMoments, IoError> {

@@ -35,7 +35,7 @@ pub struct CellKarhunenLoeve {
     eigenvalues: Vec<f64>,
     /// b_m in all cells of the bounding box, 0 outside of the body (1/length).
     modes: Vec<Vec<f64>>,
-    unresolved: f64,
+    covariance: Covariance,
 }
 
 impl CellKarhunenLoeve {
@@ -51,26 +51,21 @@ impl CellKarhunenLoeve {
         for correlation in covariance.correlation {
             check_length("the correlation length", correlation)?;
         }
-        let unresolved = unresolved(covariance, cells.size);
         if cells.body().len() == cells.cells[0] * cells.cells[1] {
             let sides = [0, 1].map(|d| cells.cells[d] as f64 * cells.size[d]);
             let expansion = RectangleKarhunenLoeve::new(covariance, sides, truncation)?;
             let eigenvalues = (0..expansion.len()).map(|m| expansion.eigenvalue(m)).collect();
-            return Ok(Self { modes: expansion.cell_means(cells.cells), cells, eigenvalues, unresolved });
+            let modes = expansion.cell_means(cells.cells);
+            return Ok(Self { cells, eigenvalues, modes, covariance: *covariance });
         }
         if covariance.kernel == Kernel::Matern32 {
             return Err(StochasticError::NoProduct { kernel: covariance.kernel });
         }
-        Self::on_mask(covariance, cells, truncation, unresolved)
+        Self::on_mask(covariance, cells, truncation)
     }
 
     /// Eigenpairs of a body that is no rectangle.
-    fn on_mask(
-        covariance: &Covariance,
-        cells: FieldCells,
-        truncation: Truncation,
-        unresolved: f64,
-    ) -> Result<Self, StochasticError> {
+    fn on_mask(covariance: &Covariance, cells: FieldCells, truncation: Truncation) -> Result<Self, StochasticError> {
         check(cells.size[0], truncation)?;
         let operator = CellCovariance::new(covariance, &cells);
         let (size, trace) = (operator.len(), operator.len() as f64 * operator.diagonal());
@@ -94,7 +89,8 @@ impl CellKarhunenLoeve {
                 Ok(count) => {
                     let body = cells.body();
                     let modes = vectors[..count].iter().map(|v| over_box(&cells, &body, v)).collect();
-                    return Ok(Self { cells, eigenvalues: values[..count].to_vec(), modes, unresolved });
+                    let eigenvalues = values[..count].to_vec();
+                    return Ok(Self { cells, eigenvalues, modes, covariance: *covariance });
                 }
                 Err(error) if all || wanted == most || available < wanted => return Err(error),
                 Err(_) => wanted = (2 * wanted).min(most),
@@ -139,7 +135,33 @@ impl CellKarhunenLoeve {
 
     /// Share of the field's variance that means over the cells do not have, however many modes there are.
     pub fn unresolved(&self) -> f64 {
-        self.unresolved
+        unresolved(&self.covariance, self.cells.size)
+    }
+
+    /// The means over cells twice as large along both axes, for the same germs. None where cells are odd in number, or where a
+    /// larger one lies in the body in part.
+    pub fn coarsened(&self) -> Option<Self> {
+        let FieldCells { cells: [nx, ny], size, inside } = &self.cells;
+        if !(nx.is_multiple_of(2) && ny.is_multiple_of(2)) {
+            return None;
+        }
+        let parts = |c: usize| {
+            let (ix, iy) = (c / (ny / 2), c % (ny / 2));
+            [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[a, b]| (2 * ix + a) * ny + 2 * iy + b)
+        };
+        let all = 0..nx * ny / 4;
+        let whole = |c: usize| -> Option<bool> {
+            let own = parts(c).map(|i| inside.as_ref().is_none_or(|inside| inside[i]));
+            own.iter().all(|&i| i == own[0]).then_some(own[0])
+        };
+        let inside = Some(all.clone().map(whole).collect::<Option<Vec<bool>>>()?);
+        let mean =
+            |mode: &Vec<f64>| all.clone().map(|c| parts(c).iter().map(|&i| mode[i]).sum::<f64>() / 4.0).collect();
+        Some(Self {
+            modes: self.modes.iter().map(mean).collect(),
+            cells: FieldCells { cells: [nx / 2, ny / 2], size: size.map(|h| 2.0 * h), inside },
+            ..self.clone()
+        })
     }
 
     /// √λ_m b_m of a cell, for all modes.
@@ -227,6 +249,31 @@ mod tests {
 
     fn covariance(kernel: Kernel, correlation: f64) -> Covariance {
         Covariance { kernel, correlation: [correlation; 2] }
+    }
+
+    /// On rectangles the same as the expansion on larger cells; larger cells that lie in the body in part have no means.
+    #[test]
+    fn coarsened_fields_are_those_of_larger_cells() {
+        for kernel in [Kernel::Exponential, Kernel::Gaussian, Kernel::Matern32] {
+            let own = Covariance { kernel, correlation: [0.7, 0.3] };
+            let cells =
+                |n: usize| FieldCells { cells: [3 * n, 2 * n], size: [0.25 / n as f64, 0.5 / n as f64], inside: None };
+            let fine = CellKarhunenLoeve::new(&own, cells(4), Truncation::Modes(7)).unwrap();
+            let coarse = CellKarhunenLoeve::new(&own, cells(2), Truncation::Modes(7)).unwrap();
+            let means = fine.coarsened().expect("even numbers of cells");
+            assert_eq!(means.cells().cells, [6, 4]);
+            assert!((means.unresolved() - coarse.unresolved()).abs() < 1e-12, "{kernel:?}");
+            for (a, b) in means.modes.iter().zip(&coarse.modes) {
+                assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-11), "{kernel:?}: {a:?} {b:?}");
+            }
+            assert!(means.coarsened().is_some_and(|m| m.cells().cells == [3, 2] && m.coarsened().is_none()));
+        }
+        let cells = corner(4);
+        let corner =
+            CellKarhunenLoeve::new(&covariance(Kernel::Exponential, 0.5), cells, Truncation::Modes(3)).unwrap();
+        let two = corner.coarsened().expect("a quarter of four");
+        assert_eq!(two.cells().inside, Some(vec![true, true, true, false]));
+        assert!(two.coarsened().is_none(), "one cell is in the body in part");
     }
 
     #[test]

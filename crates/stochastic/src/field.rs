@@ -105,6 +105,11 @@ impl Field {
         }
     }
 
+    /// Share of the variance that the values cannot have, however many modes there are: of means over cells, else 0.
+    pub fn unresolved(&self) -> f64 {
+        self.on_cells().map_or(0.0, CellKarhunenLoeve::unresolved)
+    }
+
     /// The expansion of a field that has one value in each cell of a grid.
     pub fn on_cells(&self) -> Option<&CellKarhunenLoeve> {
         match &self.expansion {

@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::Space;
 use steklov_model::solve::contact_rows::ContactRow;
-use steklov_model::stochastic::{Quantity, StochasticResult};
+use steklov_model::stochastic::{Level, Quantity, StochasticResult};
 use steklov_picture::{
     BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, Spread, SpreadLoop, bars, boxes,
     in_unit, panels, short, spread,
@@ -20,6 +20,8 @@ const PANELS: usize = 6;
 const GERMS: usize = 12;
 /// Largest number of cells of a stochastic mesh that is drawn, and of its drawn points.
 const CELLS: usize = 4_000;
+/// Most quantities whose variances are drawn over the levels.
+const MOST_CURVES: usize = 6;
 
 /// The pictures of a result with random input, with the ends of their names; none without random input. The spread of
 /// the body is drawn in the window and at the factor of the view.
@@ -29,7 +31,11 @@ const CELLS: usize = 4_000;
 pub fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Picture)>, PictureError> {
     let Some(result) = &stored.stochastic else { return Ok(Vec::new()) };
     let title = &stored.summary.title;
-    let mut pictures = vec![("band".to_owned(), band(stored, result, view)?)];
+    let mut pictures = Vec::new();
+    // a family of grids has no fields
+    if result.levels.is_empty() {
+        pictures.push(("band".to_owned(), band(stored, result, view)?));
+    }
     let mut add = |part: &str, what: &str, all: &[Panel]| -> Result<(), PictureError> {
         for (k, some) in all.chunks(PANELS).enumerate() {
             let name = if k == 0 { part.to_owned() } else { format!("{part}-{}", k + 1) };
@@ -37,6 +43,9 @@ pub fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Picture)>, 
         }
         Ok(())
     };
+    if !result.levels.is_empty() {
+        add("levels", "levels of grids", &levels(result))?;
+    }
     let (probability, pressure) = contact(stored, result);
     add("probability", "probability of contact", &probability)?;
     add("pressure", "pressure of all outcomes", &pressure)?;
@@ -110,10 +119,34 @@ fn covariance(result: &StochasticResult, node: usize) -> f64 {
     sum.clamp(-bound, bound)
 }
 
+/// Panels of multilevel Monte Carlo: of each level the variances of the differences, as parts of those of the values, and the
+/// outcomes.
+fn levels(result: &StochasticResult) -> Vec<Panel> {
+    let over = |value: &dyn Fn(&Level) -> f64| -> Vec<[f64; 2]> {
+        result.levels.iter().enumerate().map(|(l, level)| [(l + 1) as f64, value(level)]).collect()
+    };
+    let varying = result.quantities.iter().enumerate().filter(|(_, q)| q.variance > 0.0);
+    let variance = |(color, (k, q)): (usize, (usize, &Quantity))| Layer {
+        name: q.name.clone(),
+        shape: Shape::Curve(over(&|level| level.variances[k] / q.variance), color),
+    };
+    let grids: Vec<String> = result.levels.iter().map(|l| format!("{} × {}", l.cells[0], l.cells[1])).collect();
+    let x = format!("level: {} cells", grids.join(", "));
+    let outcomes = Shape::Curve(over(&|level| level.outcomes as f64), 0);
+    let panel = |y: &str, layers| Panel { x: x.clone(), y: y.to_owned(), ends: Ends::Log, layers };
+    vec![
+        panel("variance of the difference", varying.enumerate().take(MOST_CURVES).map(variance).collect()),
+        panel("outcomes", vec![Layer { name: "outcomes of each level".to_owned(), shape: outcomes }]),
+    ]
+}
+
 /// Panels of each contact side: the probability of contact, and the pressure.
 fn contact(stored: &Record, result: &StochasticResult) -> (Vec<Panel>, Vec<Panel>) {
     let (mut probability, mut pressure) = (Vec::new(), Vec::new());
     let units = &stored.summary.units;
+    if !result.levels.is_empty() {
+        return (probability, pressure);
+    }
     for (side, name) in stored.mesh.side_names.iter().enumerate() {
         let rows: Vec<(usize, &ContactRow)> = stored.contact.iter().enumerate().filter(|r| r.1.side == side).collect();
         if rows.is_empty() {

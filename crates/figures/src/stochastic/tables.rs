@@ -6,6 +6,9 @@ use steklov_model::stochastic::{End, Quantity, StochasticResult};
 use steklov_picture::plain;
 use steklov_result::record::Record;
 
+/// Percent of a field's variance that cells may lose without a word.
+const LOST: f64 = 10.0;
+
 /// Text of a CSV field.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\""))
@@ -18,7 +21,7 @@ fn quoted(text: &str) -> String {
 pub fn tables(stored: &Record) -> Vec<(&'static str, String)> {
     let Some(result) = &stored.stochastic else { return Vec::new() };
     let mut tables = vec![("quantities", quantities(result)), ("points", points(result))];
-    if !stored.contact.is_empty() {
+    if !stored.contact.is_empty() && result.levels.is_empty() {
         tables.push(("contact-statistics", contact(stored, result)));
     }
     tables
@@ -101,9 +104,18 @@ pub fn lines(stored: &Record) -> Vec<String> {
     if result.unconverged > 0 {
         lines.push(format!("            {} NOT CONVERGED", count(result.unconverged, "point")));
     }
+    for (l, level) in result.levels.iter().enumerate() {
+        let [nx, ny] = level.cells;
+        let what = if l == 0 { "values" } else { "differences from the coarser grid" };
+        lines.push(format!("            {nx} by {ny} cells: {} of {what}", count(level.outcomes, "outcome")));
+    }
     for field in &result.fields {
         let (modes, share) = (count(field.eigenvalues.len(), "mode"), 100.0 * field.captured);
-        lines.push(format!("            field {}: {modes} with {share:.4} % of its variance", field.name));
+        let lost = match 100.0 * field.unresolved {
+            lost if lost > LOST => format!("; means over its cells lose {lost:.0} %: take smaller cells"),
+            _ => String::new(),
+        };
+        lines.push(format!("            field {}: {modes} with {share:.4} % of its variance{lost}", field.name));
     }
     for q in &result.quantities {
         let mut line = format!("            {}: {}", q.name, plain(q.mean, 7));
@@ -134,10 +146,10 @@ pub fn lines(stored: &Record) -> Vec<String> {
     lines
 }
 
-/// Whether the spread of a quantity is only rounding: then its quantiles are removed. A sparse grid has no quantiles at
-/// all.
+/// Whether the spread of a quantity is only rounding: then its quantiles are removed. Sparse grids and families of grids have
+/// none at all.
 pub(crate) fn is_constant(stored: &Record, quantity: &Quantity) -> bool {
-    quantity.quantiles.is_none() && method(stored) != "sparse"
+    quantity.quantiles.is_none() && !["sparse", "multilevel"].contains(&method(stored))
 }
 
 /// The warning if the truncation has not reached the tolerance.
@@ -147,6 +159,10 @@ pub fn shortfall(result: &StochasticResult) -> Option<String> {
         End::Rounds => "raise stochastic.tolerance",
         End::Solved | End::Tolerance => return None,
     };
+    if !result.levels.is_empty() {
+        let told = "standard errors are above stochastic.tolerance times the deviations";
+        return Some(format!("stochastic tolerance NOT REACHED: {told}: {help}"));
+    }
     let truncation = result.truncation.unwrap_or(f64::NAN);
     Some(format!("stochastic tolerance NOT REACHED: truncation {truncation:.1e} after {}: {help}", result.end.word()))
 }

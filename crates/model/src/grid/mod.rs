@@ -32,4 +32,4 @@ pub use layout::GridLayout;
 pub use run::{MARKING, OnGrid};
 pub use solution::{CoarseSolved, GridSolved};
 pub use solve::solve_grid;
-pub(crate) use solve::solve_once;
+pub(crate) use solve::{Acting, solve_once};

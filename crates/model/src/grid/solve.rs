@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use steklov_contact::ContactBoundary;
 use steklov_elastic::RigidMotion;
 use steklov_msfem::{Basis, CoarseCell, CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, MsfemError, Multiscale};
 use steklov_problem::Scene;
@@ -30,10 +31,16 @@ pub fn solve_grid(
     layout: &GridLayout,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<GridSolved, SolveError> {
-    let (mut solved, Acting { loads, tractions, held }) = solve_unestimated(scene, layout, observe)?;
+    let clock = Instant::now();
+    observe(Stage::Progress("moduli, loads and supports", 0.0))?;
+    let body = body(scene, layout)?;
+    let acting = Acting::new(scene, layout, &body)?;
+    let set_up = clock.elapsed().as_secs_f64();
+    let (mut solved, held) = solve_unestimated(scene, layout, body, &acting, observe)?;
+    solved.seconds.set_up += set_up;
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.9))?;
-    solved.estimate = estimate(scene, &solved, &loads, tractions, &held)?;
+    solved.estimate = estimate(scene, &solved, &acting.loads, acting.tractions, &held)?;
     if solved.estimate.as_ref().is_some_and(|e| !e.error.is_finite()) {
         return Err(SolveError::NotFinite { energy: solved.energies.total });
     }
@@ -41,46 +48,91 @@ pub fn solve_grid(
     Ok(solved)
 }
 
-/// Solves the scene on a grid, without an estimate.
+/// Solves the scene on a grid, without an estimate; `acting` is what acts on it where that is known.
 ///
 /// # Errors
 /// As [`solve_grid`].
-pub(crate) fn solve_once(scene: &Scene, layout: &GridLayout) -> Result<GridSolved, SolveError> {
-    solve_unestimated(scene, layout, &mut |_| Ok(())).map(|(solved, _)| solved)
+pub(crate) fn solve_once(
+    scene: &Scene,
+    layout: &GridLayout,
+    acting: Option<&Acting>,
+) -> Result<GridSolved, SolveError> {
+    let body = body(scene, layout)?;
+    let observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError> = &mut |_| Ok(());
+    let (solved, _) = match acting {
+        Some(acting) => solve_unestimated(scene, layout, body, acting, observe)?,
+        None => {
+            let acting = Acting::new(scene, layout, &body)?;
+            solve_unestimated(scene, layout, body, &acting, observe)?
+        }
+    };
+    Ok(solved)
 }
 
-/// The data that act on a grid, which an estimate needs.
-struct Acting {
+/// What acts on a grid, and where: the same whatever the moduli.
+pub(crate) struct Acting {
+    /// The boundary of the fine grid.
+    fine: GridTrace,
     loads: Loads,
     tractions: Tractions,
-    held: Vec<bool>,
+    /// Supports and contact of that boundary; none where coarse cells or a medium have their own.
+    on_fine: Option<(Vec<Held>, Option<ContactBoundary>)>,
 }
 
+impl Acting {
+    /// What acts in a scene on the grid of a body.
+    ///
+    /// # Errors
+    /// Data that are not finite.
+    pub(crate) fn new(scene: &Scene, layout: &GridLayout, body: &HeterogeneousBody) -> Result<Self, SolveError> {
+        let fine = GridTrace::new(scene, &body.grid, |_| true)?;
+        let (loads, tractions) = loads(scene, body, &fine)?;
+        let alone = scene.surroundings().is_none() && layout.coarse.is_none();
+        let on_fine = if alone { Some(on_boundary(scene, &fine)?) } else { None };
+        Ok(Self { fine, loads, tractions, on_fine })
+    }
+
+    /// What acts in a scene on the grid of a layout.
+    ///
+    /// # Errors
+    /// As [`Acting::new`]; moduli that are impossible.
+    pub(crate) fn of_layout(scene: &Scene, layout: &GridLayout) -> Result<Self, SolveError> {
+        Self::new(scene, layout, &body(scene, layout)?)
+    }
+}
+
+/// Supports and contact of a boundary.
+fn on_boundary(scene: &Scene, trace: &GridTrace) -> Result<(Vec<Held>, Option<ContactBoundary>), SolveError> {
+    let data = OnMesh { scene, mesh: &trace.mesh, space: &trace.space };
+    let held = data.held()?;
+    check_gaps(scene, trace)?;
+    let boundary = data.contact(&held, &[])?;
+    Ok((held, boundary))
+}
+
+/// The solution and the fine unknowns that are held.
 fn solve_unestimated(
     scene: &Scene,
     layout: &GridLayout,
+    body: HeterogeneousBody,
+    acting: &Acting,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<(GridSolved, Acting), SolveError> {
-    let clock = Instant::now();
-    observe(Stage::Progress("moduli, loads and supports", 0.0))?;
-    let body = body(scene, layout)?;
-    let fine = GridTrace::new(scene, &body.grid, |_| true)?;
-    let (loads, tractions) = loads(scene, &body, &fine)?;
-    let set_up = clock.elapsed().as_secs_f64();
-    let (mut solved, held) = match (scene.surroundings(), &layout.coarse) {
-        (Some(medium), _) => {
+) -> Result<(GridSolved, Vec<bool>), SolveError> {
+    let Acting { fine, loads, on_fine, .. } = acting;
+    let (solved, held) = match (scene.surroundings(), &layout.coarse, on_fine) {
+        (Some(medium), ..) => {
             let held = vec![false; body.grid.dofs()];
-            (solve_coupled(scene, medium, body, fine, &loads, layout, observe)?, held)
+            (solve_coupled(scene, medium, body, fine.clone(), loads, layout, observe)?, held)
         }
-        (None, None) => solve_fine(scene, body, fine, &loads, observe)?,
-        (None, Some(cells)) => solve_coarse(scene, body, fine, &loads, cells.clone(), observe)?,
+        (None, Some(cells), _) => solve_coarse(scene, body, fine, loads, cells.clone(), observe)?,
+        (None, None, Some(on_fine)) => solve_fine(scene, body, fine.clone(), loads, on_fine, observe)?,
+        (None, None, None) => unreachable!("what acts on a fine grid alone has its supports"),
     };
-    solved.seconds.set_up += set_up;
     let Energies { total, strain, load_work, .. } = solved.energies;
     if [total, strain, load_work].iter().chain(&solved.displacement).any(|v| !v.is_finite()) {
         return Err(SolveError::NotFinite { energy: total });
     }
-    Ok((solved, Acting { loads, tractions, held }))
+    Ok((solved, held))
 }
 
 /// Stress as a traction on element e, times half its length: the moment against one end.
@@ -125,14 +177,9 @@ fn solve_fine(
     body: HeterogeneousBody,
     trace: GridTrace,
     loads: &Loads,
+    (held, boundary): &(Vec<Held>, Option<ContactBoundary>),
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<(GridSolved, Vec<bool>), SolveError> {
-    let clock = Instant::now();
-    let data = OnMesh { scene, mesh: &trace.mesh, space: &trace.space };
-    let held = data.held()?;
-    check_gaps(scene, &trace)?;
-    let boundary = data.contact(&held, &[])?;
-    let set_up = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     observe(Stage::Progress("assembling K", 0.1))?;
     let grid = &body.grid;
@@ -152,9 +199,9 @@ fn solve_fine(
         moment(body.elasticity.stress(body.young[cell], &values, [0.5; 2], grid.spacing), &trace, e)
     };
     let at_boundary = system.at_boundary.clone();
-    let answer = system.solve(scene, &trace, &held, boundary, &traction, observe)?;
+    let answer = system.solve(scene, &trace, held, boundary.clone(), &traction, observe)?;
     let factorise = clock.elapsed().as_secs_f64();
-    let is_held = held_unknowns(grid, &trace, &held);
+    let is_held = held_unknowns(grid, &trace, held);
     let solved = GridSolved {
         dofs: grid.dofs(),
         energies: energies(&answer, answer.energy / 2.0, answer.work),
@@ -165,7 +212,7 @@ fn solve_fine(
         reactions: answer.reactions,
         free_motions: answer.free_motions,
         estimate: None,
-        seconds: Seconds { set_up, assemble, factorise, solve: 0.0 },
+        seconds: Seconds { set_up: 0.0, assemble, factorise, solve: 0.0 },
         estimate_seconds: 0.0,
         coarse: None,
         trace,
@@ -318,7 +365,7 @@ fn coarse_system(
 fn solve_coarse(
     scene: &Scene,
     body: HeterogeneousBody,
-    fine: GridTrace,
+    fine: &GridTrace,
     loads: &Loads,
     cells: Vec<CoarseCell>,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
@@ -329,12 +376,9 @@ fn solve_coarse(
     let basis = basis(scene);
     let mut problem = Multiscale::new(&body, mesh, basis)?;
     let (trace, at_boundary) = coarse_trace(scene, &problem)?;
-    let data = OnMesh { scene, mesh: &trace.mesh, space: &trace.space };
-    let held = data.held()?;
-    check_gaps(scene, &trace)?;
-    let boundary = data.contact(&held, &[])?;
+    let (held, boundary) = on_boundary(scene, &trace)?;
     let fine_held = OnMesh { scene, mesh: &fine.mesh, space: &fine.space }.held()?;
-    let lift = lift(&problem, &fine, &fine_held, &trace, &held);
+    let lift = lift(&problem, fine, &fine_held, &trace, &held);
     let extra = Extra { bubbles: !loads.body.is_empty() && basis != Basis::Q1 && basis.is_conforming(), lift };
     let set_up = clock.elapsed().as_secs_f64();
 
@@ -361,7 +405,7 @@ fn solve_coarse(
     })?;
     let (strain, load_work) = field_energies(&problem, &displacement, &answer.displacement, loads, &extra)?;
     let solve = clock.elapsed().as_secs_f64();
-    let is_held = held_unknowns(grid, &fine, &fine_held);
+    let is_held = held_unknowns(grid, fine, &fine_held);
     let (dofs, patterns) = (problem.dofs(), problem.patterns());
     let mut vertices = problem.vertex_displacement(&answer.displacement).into_flattened();
     let mesh = problem.mesh;

@@ -5,6 +5,7 @@ use steklov_msfem::Grid;
 use steklov_problem::Scene;
 
 /// Boundary elements between grid points, on which loads, supports and contact of a grid are set up.
+#[derive(Clone)]
 pub(crate) struct GridTrace {
     /// The elements, all of degree 1.
     pub mesh: Mesh,

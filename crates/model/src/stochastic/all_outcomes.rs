@@ -50,6 +50,7 @@ pub fn solve_stochastic(
             let surrogate = solve_nodes(scene, random, &outcomes, coupled, &watch)?;
             of_surrogate(scene, random, &surrogate, &outcomes, &watch, observe)?
         }
+        Sampling::Multilevel => return Err(scene.no_family_of_grids().into()),
         Sampling::Sparse | Sampling::MonteCarlo => {
             let answer = |germs: &[f64], warm: &mut Option<Solution>| outcomes.answer(germs, warm);
             let (numbers, data) = (&outcomes.numbers[..], &outcomes.data);
@@ -97,6 +98,7 @@ fn field_modes(field: &RandomField) -> FieldModes {
         name: field.name.clone(),
         eigenvalues: field.expansion.eigenvalues(),
         captured: field.expansion.captured(),
+        unresolved: field.expansion.unresolved(),
         modes: points.iter().map(at).collect(),
         points,
     }

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json as object};
 use steklov_problem::{Random, Sampling};
 
-use super::StochasticResult;
+use super::{Level, Quantity, StochasticResult};
 
 /// `{ "energy": { "mean", "variance", "quantiles", .. }, "contact": { "force": { "y": { .. } } }, "solution": { .. } }`: every
 /// quantity at its own path.
@@ -30,9 +30,10 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         }
         *place = one;
     }
-    let fields = random
-        .fields()
-        .map(|(f, _)| (f.name.clone(), object!({ "modes": f.expansion.len(), "captured": f.expansion.captured() })));
+    let fields = random.fields().map(|(f, _)| {
+        let (modes, captured, unresolved) = (f.expansion.len(), f.expansion.captured(), f.expansion.unresolved());
+        (f.name.clone(), object!({ "modes": modes, "captured": captured, "unresolved": unresolved }))
+    });
     let lost = random.germs.iter().filter(|g| g.variable.lost() > 0.0);
     root["solution"] = object!({
         "method": method(random.stochastic.method),
@@ -40,6 +41,7 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         "points": result.points.len(),
         "solves": result.solved,
         "checks": result.checks,
+        "levels": levels(result),
         "cells": result.cells.as_ref().map(|c| c.degree.len()),
         "coupled": result.coupled,
         "reason": result.end.word(),
@@ -55,6 +57,23 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
     root
 }
 
+/// The levels of multilevel Monte Carlo; null of other methods.
+fn levels(result: &StochasticResult) -> Value {
+    if result.levels.is_empty() {
+        return Value::Null;
+    }
+    let of = |value: &dyn Fn(&Level) -> Value| -> Value { result.levels.iter().map(value).collect() };
+    let varying = result.quantities.iter().enumerate().filter(|(_, q)| q.variance > 0.0);
+    let parts = |(k, q): (usize, &Quantity)| (q.name.clone(), of(&|level| (level.variances[k] / q.variance).into()));
+    let variances: Map<String, Value> = varying.map(parts).collect();
+    object!({
+        "cells": of(&|level| object!(level.cells)),
+        "outcomes": of(&|level| level.outcomes.into()),
+        "cost": of(&|level| level.cost.into()),
+        "variances": variances,
+    })
+}
+
 /// The word of a scene.
 pub fn method(method: Sampling) -> &'static str {
     match method {
@@ -62,5 +81,6 @@ pub fn method(method: Sampling) -> &'static str {
         Sampling::Collocation => "collocation",
         Sampling::Sparse => "sparse",
         Sampling::MonteCarlo => "monte-carlo",
+        Sampling::Multilevel => "multilevel",
     }
 }

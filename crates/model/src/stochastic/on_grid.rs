@@ -3,11 +3,12 @@
 use std::time::Instant;
 
 use steklov_contact::Solution;
-use steklov_problem::{Random, Scene};
+use steklov_problem::{Random, Sampling, Scene, Uses};
 
 use super::all_outcomes::{finish, scales};
 use super::in_body::InBody;
 use super::jumps::InGerms;
+use super::multilevel::of_levels;
 use super::number::{Number, numbers};
 use super::one_by_one::OneByOne;
 use super::outcomes::{Answer, contact_answer};
@@ -15,7 +16,7 @@ use super::result::{StochasticResult, Watch};
 use super::stage::OutcomeStage;
 use crate::answer::report::figures;
 use crate::error::SolveError;
-use crate::grid::{GridLayout, GridSolved, solve_once};
+use crate::grid::{Acting, GridLayout, GridSolved, solve_once};
 use crate::solve::contact_rows::contact_rows;
 use crate::summary::{Probe, Summary};
 
@@ -40,23 +41,56 @@ pub fn solve_stochastic_on_grid(
     let watch = Watch { progress, stopped };
     observe(OutcomeStage::Begin(random))?;
     let (numbers, data) = (numbers(scene, random)?, InGerms::new(scene, random));
-    let outcome = |germs: &[f64]| {
-        let of_germs = scene.outcome(germs)?;
-        let named = |error| match error {
-            SolveError::Data(_) => error,
-            error => SolveError::Outcome { outcome: random.outcome_name(germs), error: Box::new(error) },
-        };
-        solve_once(&of_germs, layout).map(|solved| (of_germs, solved)).map_err(named)
-    };
-    let (nominal, solved) = outcome(&random.nominal())?;
+    let outcomes = OutcomesOnGrid::new(scene.clone(), random, layout.clone())?;
+    let (nominal, solved) = outcomes.solve(&random.nominal())?;
     let scales = scales(scene, &numbers, &summary(&nominal, &solved))?;
-    let answer =
-        |germs: &[f64], _: &mut Option<Solution>| outcome(germs).map(|(scene, solved)| kept(&scene, &solved, &numbers));
-    let one_by_one = OneByOne { numbers: &numbers, data: &data, answer: &answer, block: BLOCK };
-    let mut result = one_by_one.solve(random, &watch, observe)?;
+    let mut result = match random.stochastic.method {
+        Sampling::Multilevel => of_levels((scene, layout), random, &numbers, &watch)?,
+        _ => {
+            let answer = |germs: &[f64], _: &mut Option<Solution>| {
+                outcomes.solve(germs).map(|(scene, solved)| kept(&scene, &solved, &numbers))
+            };
+            OneByOne { numbers: &numbers, data: &data, answer: &answer, block: BLOCK }.solve(random, &watch, observe)?
+        }
+    };
     finish(scene, random, &mut result, &scales);
     result.seconds = clock.elapsed().as_secs_f64();
     Ok(result)
+}
+
+/// A grid on which outcomes are solved.
+pub(super) struct OutcomesOnGrid<'a> {
+    pub(super) scene: Scene,
+    random: &'a Random,
+    layout: GridLayout,
+    /// What acts on it, if that is the same in all outcomes.
+    acting: Option<Acting>,
+}
+
+impl<'a> OutcomesOnGrid<'a> {
+    /// The outcomes of a scene on the grid of a layout.
+    ///
+    /// # Errors
+    /// Data that are not finite, moduli that are impossible.
+    pub(super) fn new(scene: Scene, random: &'a Random, layout: GridLayout) -> Result<Self, SolveError> {
+        let Uses { loads, contact, held, springs, .. } = scene.uses(random);
+        let moves = loads || contact || held || springs;
+        let acting = if moves { None } else { Some(Acting::of_layout(&scene, &layout)?) };
+        Ok(Self { scene, random, layout, acting })
+    }
+
+    /// The outcome for germs as a scene, and its solution.
+    ///
+    /// # Errors
+    /// Data that the outcome makes impossible; what keeps it from being solved, with its name.
+    pub(super) fn solve(&self, germs: &[f64]) -> Result<(Scene, GridSolved), SolveError> {
+        let outcome = self.scene.outcome(germs)?;
+        let named = |error| match error {
+            SolveError::Data(_) => error,
+            error => SolveError::Outcome { outcome: self.random.outcome_name(germs), error: Box::new(error) },
+        };
+        solve_once(&outcome, &self.layout, self.acting.as_ref()).map(|solved| (outcome, solved)).map_err(named)
+    }
 }
 
 /// The numbers of an outcome.
@@ -75,25 +109,39 @@ fn summary(scene: &Scene, solved: &GridSolved) -> Summary {
     figures
 }
 
+/// The requested numbers of an outcome and what its result tells of it, without its fields.
+pub(super) fn numbers_of(scene: &Scene, solved: &GridSolved, numbers: &[Number]) -> Answer {
+    let body = &solved.body;
+    let figures = summary(scene, solved);
+    let (count, sum) = body.grid.body_cells().fold((0, 0.0), |(count, sum), c| (count + 1, sum + body.young[c]));
+    Answer {
+        // the mean over the body, a stress
+        modulus: sum / f64::from(count),
+        quantities: numbers.iter().map(|number| number.of(&figures)).collect(),
+        strain: solved.energies.strain,
+        iterations: solved.contact.as_ref().map_or(0, |c| c.solution.iterations),
+        converged: solved.converged(),
+        ..Answer::default()
+    }
+}
+
 /// The data of an outcome that statistics need.
 fn kept(scene: &Scene, solved: &GridSolved, numbers: &[Number]) -> Answer {
     let body = &solved.body;
     let cells: Vec<usize> = body.grid.body_cells().collect();
     let stresses = body.stresses(&solved.displacement);
-    let young: Vec<f64> = cells.iter().map(|&c| body.young[c]).collect();
     let rows = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
-    let figures = summary(scene, solved);
+    let Answer { modulus, quantities, strain, converged, .. } = numbers_of(scene, solved, numbers);
     Answer {
-        // the mean over the body, a stress
-        modulus: young.iter().sum::<f64>() / young.len() as f64,
+        modulus,
+        quantities,
+        strain,
+        converged,
         displacement: solved.boundary_displacement.clone(),
-        quantities: numbers.iter().map(|number| number.of(&figures)).collect(),
-        strain: solved.energies.strain,
-        converged: solved.converged(),
         in_body: InBody {
             displacement: solved.displacement.clone(),
             stress: cells.iter().flat_map(|&c| stresses[c]).collect(),
-            young,
+            young: cells.iter().map(|&c| body.young[c]).collect(),
         },
         ..contact_answer(&rows, solved.contact.as_ref())
     }

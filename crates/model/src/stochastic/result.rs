@@ -35,7 +35,7 @@ pub struct Quantity {
     pub mean: f64,
     /// Variance; NaN where the negative weights of a sparse grid make it negative.
     pub variance: f64,
-    /// Standard error of the mean; Monte Carlo only.
+    /// Standard error of the mean; Monte Carlo, plain or multilevel.
     pub standard_error: Option<f64>,
     /// Root mean square of the truncation error of polynomials, which is more than the error of the mean. For samples
     /// the largest change of the mean by outcomes that they have not seen.
@@ -63,6 +63,8 @@ pub struct FieldModes {
     pub eigenvalues: Vec<f64>,
     /// Share of the variance that is kept.
     pub captured: f64,
+    /// Share that the means over cells cannot have, however many modes there are; 0 without cells.
+    pub unresolved: f64,
     /// Arc lengths `[s]` along the side, or points `[x, y]` of the body.
     pub points: Vec<Vec<f64>>,
     /// √λ_m b_m at each of them.
@@ -78,6 +80,19 @@ pub struct Cells {
     pub high: Vec<Vec<f64>>,
     /// Degrees.
     pub degree: Vec<Vec<usize>>,
+}
+
+/// A level of multilevel Monte Carlo.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// Cells of its grid along x and y.
+    pub cells: [usize; 2],
+    /// Outcomes that were solved on it, and on the coarser grid too but for the coarsest one.
+    pub outcomes: usize,
+    /// Cost of one of them, as a part of a solution on the finest grid, by count of operations.
+    pub cost: f64,
+    /// Variance of the difference from the coarser grid, of the coarsest one that of the value, for each quantity.
+    pub variances: Vec<f64>,
 }
 
 /// Why no more outcomes were solved.
@@ -142,6 +157,8 @@ pub struct StochasticResult {
     pub fields: Vec<FieldModes>,
     /// The stochastic mesh.
     pub cells: Option<Cells>,
+    /// The levels of multilevel Monte Carlo, from the coarsest on.
+    pub levels: Vec<Level>,
     /// Error of the truncation over the energy norm, both in mean square: estimated, or measured if that is more; none without a
     /// stochastic mesh.
     pub truncation: Option<f64>,
