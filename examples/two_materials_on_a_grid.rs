@@ -20,7 +20,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let of_unit_modulus = Material::new(1.0, 0.0, Plane::Strain)?;
     let mut scene = Scene::new(bar, of_unit_modulus);
     let body = scene.body_mut();
-    body.substance = Substance::Cells(Cells { size: 0.5, young: CellModuli::Expression(young), of_unit_modulus });
+    body.substance =
+        Substance::Cells(Cells { size: 0.5, young: CellModuli::Expression(young), poisson: None, of_unit_modulus });
     body.grid = Some(GridInput { coarse: [8, 2], fine: [4, 4], basis: BasisInput::Coupled, oversample: None });
     scene.problem.sides[1].condition = Condition::Traction([stress, 0.0].map(Expression::number));
     scene.problem.sides[3].condition = Condition::held();

@@ -86,9 +86,10 @@ pub fn unbalanced_nodes(scene: &Scene, solved: &GridSolved) -> Option<f64> {
             let dx = [eta - 1.0, 1.0 - eta, eta, -eta].map(|d| d / grid.spacing[0]);
             let dy = [xi - 1.0, -xi, xi, 1.0 - xi].map(|d| d / grid.spacing[1]);
             let gradient = |i: usize, d: &[f64; 4]| (0..4).map(|a| d[a] * u[2 * a + i]).sum::<f64>();
+            let nu = body.poisson().map_or(scene.body().material().poisson, |ratios| ratios[cell]);
             let [xx, yy, xy] = stress(
                 scene,
-                body.young[cell],
+                [body.young[cell], nu],
                 [gradient(0, &dx), gradient(1, &dy), gradient(0, &dy) + gradient(1, &dx)],
             );
             let b = scene.force_at(x).expect("a finite force");
@@ -120,9 +121,8 @@ pub fn unbalanced_nodes(scene: &Scene, solved: &GridSolved) -> Option<f64> {
     Some(worst / largest)
 }
 
-/// Stress xx, yy, xy of a strain xx, yy, 2xy.
-fn stress(scene: &Scene, young: f64, [xx, yy, xy]: [f64; 3]) -> [f64; 3] {
-    let nu = scene.body().material().poisson;
+/// Stress xx, yy, xy of a strain xx, yy, 2xy for Young's modulus and Poisson's ratio.
+fn stress(scene: &Scene, [young, nu]: [f64; 2], [xx, yy, xy]: [f64; 3]) -> [f64; 3] {
     let factor = match scene.body().material().plane {
         Plane::Strain => young / ((1.0 + nu) * (1.0 - 2.0 * nu)),
         Plane::Stress => young / (1.0 - nu * nu),

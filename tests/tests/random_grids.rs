@@ -260,6 +260,42 @@ fn the_force_of_a_pressed_square_has_its_closed_form() {
     assert!((force.mean - mean).abs() < 4.0 * error && error < 0.03 * mean, "{} ± {error}: {mean}", force.mean);
 }
 
+/// A square between smooth walls under a unit pressure: u_y = -(1 + ν)(1 - 2ν)/(1 - ν) at its top in each outcome of ν.
+fn oedometer(poisson: &str, material: &str, method: &str) -> String {
+    format!(
+        "title = \"oedometer\"\n[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\n\
+         sides = [\"floor\", \"right\", \"top\", \"left\"]\n[material]\n{material}\n[material.cells]\nsize = 0.5\n\
+         young = \"1\"\npoisson = {poisson}\n[random.nu]\ndistribution = \"uniform\"\nlow = 0.05\nhigh = 0.45\n\
+         [sides.floor]\ndisplacement = [\"free\", 0]\n[sides.left]\ndisplacement = [0, \"free\"]\n\
+         [sides.right]\ndisplacement = [0, \"free\"]\n[sides.top]\ntraction = [0, -1]\n[grid]\ncoarse = [2, 2]\nfine = [2, 2]\n\
+         [method]\nrefine = \"none\"\n{method}\n[probe]\npoints = [[0.3, 1]]\n[stochastic]\nmethod = \"monte-carlo\"\n\
+         samples = 50\nquantities = [\"probe.0.displacement.y\"]\n"
+    )
+}
+
+#[test]
+fn poissons_ratio_may_be_random() {
+    let scene = read(&oedometer("\"nu\"", "", ""));
+    let (result, random) = (outcomes(&scene), scene.random.as_ref().expect("random input"));
+    let top = quantity(&result, "probe.0.displacement.y");
+    for (germs, value) in result.points.iter().zip(&top.values) {
+        let nu = random.germs[0].variable.value(germs[0]);
+        let exact = -(1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu);
+        assert!((value - exact).abs() < 1e-12, "{nu}: {value} {exact}");
+    }
+    assert!(top.variance > 0.01);
+    for (text, said) in [
+        (oedometer("\"nu\"", "poisson = 0.3", ""), "stands beside material.cells.poisson"),
+        (oedometer("\"nu\"", "", "model = \"msfem\""), "bilinear elements, without a medium"),
+        (oedometer("\"nu + 0.2\"", "", ""), "Poisson's ratio is 0.6"),
+        (oedometer("{ uniform = [0.1, 0.6] }", "", ""), "below 0.5"),
+        (oedometer("0.5", "", ""), "Poisson's ratio is 0.5 in the cell"),
+    ] {
+        let error = parse(&text, &[]).err().map(|e| e.render()).unwrap_or_default();
+        assert!(error.contains(said), "{said}: {error}");
+    }
+}
+
 /// What cannot be solved is refused by its place, for readers of scenes and for programs.
 #[test]
 fn random_grids_that_cannot_be_solved_are_refused() {

@@ -29,7 +29,7 @@ const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"
 const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
 const FEW: &str = "method.max_steps=3";
 
-const KINDS: [Kind; 20] = [
+const KINDS: [Kind; 21] = [
     kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
@@ -79,6 +79,7 @@ const KINDS: [Kind; 20] = [
         &["random.g.modes=2", "stochastic.method=\"multilevel\"", "stochastic.tolerance=0.1"],
         &["eigenpairs", "K ", "equilibrium"],
     ),
+    kind("ratios", "69-checkerboard-of-two-materials", &[], &["K ", "equilibrium", "strain energy"]),
     kind("fem", "39-weight-that-varies", &[], &["K ", "equilibrium", "strain energy"]),
     kind("msfem", "38-l-shape-of-random-cells", &["grid.fine=[4, 4]", FEW], &["K_H ", "basis", "strain energy"]),
     kind("msfem-contact", "37-block-of-random-cells", &["method.estimators=true"], &["basis", "contact problem"]),

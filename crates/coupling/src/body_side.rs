@@ -56,7 +56,7 @@ impl<'a> Body<'a> {
         let s = overlap.hats(t)[1].clamp(0.0, 1.0);
         let local = [[s, 0.0], [1.0, s], [1.0 - s, 1.0], [0.0, 1.0 - s]][number];
         let (u, young, spacing) = (body.cell_values(fine, cell), body.young[cell], body.grid.spacing);
-        let [xx, yy, xy] = body.elasticity.stress(young, &u, local, spacing);
+        let [xx, yy, xy] = body.stress(cell, &u, local);
         let traction = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
         let (a, b, length) = (number, (number + 1) % 4, spacing[number % 2]);
         let slope = [0, 1].map(|i| (u[2 * b + i] - u[2 * a + i]) / length);

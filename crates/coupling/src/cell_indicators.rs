@@ -64,8 +64,8 @@ fn volume(body: &HeterogeneousBody, u: &[f64], force: &(dyn Fn([f64; 2]) -> [f64
     let u = body.cell_values(u, cell);
     // of the second derivatives only the mixed one: div σ = (λ + μ) (∂xy u_y, ∂xy u_x)
     let mixed = [0, 1].map(|i| (u[i] - u[2 + i] + u[4 + i] - u[6 + i]) / (hx * hy));
-    let (lambda, mu) =
-        (body.elasticity.unit_stress([0.0, 1.0, 0.0])[0], body.elasticity.unit_stress([0.0, 0.0, 1.0])[2]);
+    let elasticity = body.elasticity_of(cell);
+    let (lambda, mu) = (elasticity.unit_stress([0.0, 1.0, 0.0])[0], elasticity.unit_stress([0.0, 0.0, 1.0])[2]);
     let divergence = [1, 0].map(|i: usize| young * (lambda + mu) * mixed[i]);
     let rule = gauss_legendre(3).mapped(0.0, 1.0);
     let mut sum = 0.0;
@@ -96,7 +96,7 @@ fn sides(body: &HeterogeneousBody, u: &[f64], traction: &SideTraction<'_>, cell:
         let side = f64::from(u8::from(upper));
         let local = if axis == 0 { [side, at] } else { [at, side] };
         let values = body.cell_values(u, cell);
-        let [xx, yy, xy] = body.elasticity.stress(body.young[cell], &values, local, grid.spacing);
+        let [xx, yy, xy] = body.stress(cell, &values, local);
         if axis == 0 { [xx, xy] } else { [xy, yy] }
     };
     let (mut jump, mut neumann) = (0.0, 0.0);

@@ -203,10 +203,34 @@ fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> ReadErr
 
 /// Young's modulus, Poisson's ratio and the plane assumption of a table.
 pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -> Result<Material, ReadError> {
-    let poisson = fields.require("poisson", "poisson = 0.3")?;
+    material_with(fields, context, young, None)
+}
+
+/// The same where cells have Poisson's ratios of their own, of this mean.
+pub(super) fn material_with(
+    fields: &Fields<'_>,
+    context: &Context<'_>,
+    young: f64,
+    of_cells: Option<f64>,
+) -> Result<Material, ReadError> {
     let plane = match fields.get("plane") {
         Some(plane) => plane.choice(&PLANES)?,
         None => Plane::Strain,
+    };
+    let poisson = match (of_cells, fields.get("poisson")) {
+        (Some(ratio), None) => {
+            let refused = |e: MaterialError| {
+                let place = fields.require("cells", "cells = { .. }").map(|field| field.item.place).unwrap_or_default();
+                ReadError::new(DataErrorKind::Value, place, e.to_string(), "give ratios above -1 and below 0.5")
+            };
+            return Material::new(young, ratio, plane).map_err(refused);
+        }
+        (Some(_), Some(poisson)) => {
+            let message = format!("{} stands beside material.cells.poisson", poisson.name);
+            let help = "the cells give Poisson's ratio: remove one of the two";
+            return Err(ReadError::new(DataErrorKind::Conflict, poisson.item.place, message, help));
+        }
+        (None, _) => fields.require("poisson", "poisson = 0.3")?,
     };
     Material::new(young, poisson.constant(context)?, plane).map_err(|e| match e {
         MaterialError::Young { .. } => {

@@ -5,11 +5,14 @@ use std::path::Path;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 use steklov_io::{IoError, load_foreign_axes, load_foreign_table};
-use steklov_problem::{BASES, BasisInput, CellModuli, Cells, DataErrorKind, GridInput, TableOrder, modulus_cells};
+use steklov_problem::{
+    BASES, BasisInput, CellModuli, Cells, DataErrorKind, GridInput, TableOrder, bounding_box, modulus_cells,
+};
 
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::foreign::{HDF5, foreign};
+use super::form::Table;
 use super::keys;
 use super::source::Source;
 use super::tree::Value;
@@ -37,24 +40,54 @@ pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, ReadError> {
 pub(super) fn cells(
     field: &Field<'_>,
     polygon: &Polygon,
-    of_unit_modulus: impl FnOnce() -> Result<Material, ReadError>,
+    of_unit_modulus: impl FnOnce(Option<f64>) -> Result<Material, ReadError>,
     context: &Context<'_>,
 ) -> Result<Cells, ReadError> {
     let fields = Fields::new(field, &keys::CELLS)?;
     let size = fields.require("size", "size = the edge length of a cell")?;
     let size = size.number_in(&keys::LENGTH)?;
     let young = fields.require("young", "young = { uniform = [low, high], seed = 1 }")?;
-    let young = match young.item.value {
-        Value::Table(_) => table(&young, modulus_cells(polygon, size), size, context.source)?,
-        _ => CellModuli::Expression(young.expression_inside(context)?),
+    let values = |field: &Field<'_>, entries: &'static Table| match field.item.value {
+        Value::Table(_) => table(field, entries, modulus_cells(polygon, size), size, context.source),
+        _ => Ok(CellModuli::Expression(field.expression_inside(context)?)),
     };
-    Ok(Cells { size, young, of_unit_modulus: of_unit_modulus()? })
+    let poisson = fields.get("poisson").map(|field| values(&field, &keys::RATIOS)).transpose()?;
+    let of_unit_modulus = of_unit_modulus(poisson.as_ref().map(|ratios| about(ratios, polygon)))?;
+    Ok(Cells { size, young: values(&young, &keys::MODULI)?, poisson, of_unit_modulus })
 }
+
+/// About the mean of the ratios of cells: that of their ends, of a table, or of an expression at points of the bounding box.
+fn about(ratios: &CellModuli, polygon: &Polygon) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let mean = match ratios {
+        CellModuli::Uniform { low, high, .. } => 0.5 * (low + high),
+        CellModuli::Table { values, .. } => mean(values),
+        CellModuli::Expression(ratio) => {
+            let (low, size) = bounding_box(polygon);
+            let at = |k: usize| {
+                let place = [k % PLACES, k / PLACES].map(|i| (i as f64 + 0.5) / PLACES as f64);
+                ratio.eval(low[0] + place[0] * size[0], low[1] + place[1] * size[1], 0.0)
+            };
+            mean(&(0..PLACES * PLACES).map(at).collect::<Vec<f64>>())
+        }
+    };
+    // what is wrong in a cell is told of that cell
+    if mean > -1.0 && mean < 0.5 { mean } else { 0.0 }
+}
+
+/// Points along each side at which a ratio is averaged.
+const PLACES: usize = 16;
 
 /// Moduli that are random numbers or come from a file; `cells`: the numbers of cells of this size along x and y, if
 /// they fit the body.
-fn table(young: &Field<'_>, cells: Option<[usize; 2]>, size: f64, source: &Source) -> Result<CellModuli, ReadError> {
-    let table = Fields::new(young, &keys::MODULI)?;
+fn table(
+    young: &Field<'_>,
+    entries: &'static Table,
+    cells: Option<[usize; 2]>,
+    size: f64,
+    source: &Source,
+) -> Result<CellModuli, ReadError> {
+    let table = Fields::new(young, entries)?;
     let beside = |key: &str, of: &str| match table.get(key) {
         Some(field) => {
             let message = format!("{} stands without {of}", field.name);
@@ -66,11 +99,14 @@ fn table(young: &Field<'_>, cells: Option<[usize; 2]>, size: f64, source: &Sourc
         (Some(uniform), None) => {
             beside("dataset", "file")?;
             beside("order", "file")?;
-            let [low, high] = uniform.pair("the lowest and the highest modulus")?;
+            let [low, high] = uniform.pair("the lowest and the highest one")?;
             let (low, high) = (low.number()?, high.number()?);
-            if !(low > 0.0 && low <= high && high.is_finite()) {
-                let message = format!("{} is [{low}, {high}]", uniform.name);
-                return Err(uniform.problem(message, "both must be positive moduli, the lower one first"));
+            let (fits, help) = match std::ptr::eq(entries, &raw const keys::RATIOS) {
+                true => (low > -1.0 && high < 0.5, "both must be above -1 and below 0.5, the lower one first"),
+                false => (low > 0.0 && high.is_finite(), "both must be positive moduli, the lower one first"),
+            };
+            if !(fits && low <= high) {
+                return Err(uniform.problem(format!("{} is [{low}, {high}]", uniform.name), help));
             }
             let seed = table.get("seed").map_or(Ok(0), |seed| seed.whole(keys::NATURAL))? as u64;
             Ok(CellModuli::Uniform { low, high, seed })
@@ -123,7 +159,7 @@ fn from_file(
                 None => (file, e.to_string(), "the path is relative to the folder of the scene".to_owned()),
             },
         };
-        ReadError::new(Kind::Read, field.item.place, format!("cannot read Young's moduli: {why}"), help)
+        ReadError::new(Kind::Read, field.item.place, format!("cannot read the numbers of the cells: {why}"), help)
     };
     let given = given.map(|field| field.choice(&ORDERS).map(|order| (order, field))).transpose()?;
     let axes = load_foreign_axes(&path, name).map_err(refuse)?;

@@ -331,8 +331,7 @@ pub(super) static ELLIPSE: Table = table(
     ],
 );
 
-const POISSON: Key =
-    key("poisson", Expression(RATIO), "", "Poisson's ratio, one value above -1 and below 1/2.").required();
+const POISSON: Key = key("poisson", Expression(RATIO), "", "Poisson's ratio, one value above -1 and below 1/2.");
 const PLANE: Key = key("plane", Words(&words(&PLANES)), "", "Plane strain or plane stress.");
 
 pub(super) static MATERIAL: Table = table(
@@ -341,7 +340,7 @@ pub(super) static MATERIAL: Table = table(
     &[
         key("young", Expression(POSITIVE), "stress", "Young's modulus, one value; random names may be in it.")
             .without("required without `cells`"),
-        POISSON,
+        POISSON.without("required without `material.cells.poisson`"),
         PLANE.or(|| quoted(&PLANES, Plane::Strain)),
         key(
             "cells",
@@ -364,6 +363,33 @@ pub(super) static CELLS: Table = table(
             "Young's moduli: an expression of x and y at the centres of the cells, or a table.",
         )
         .required(),
+        key(
+            "poisson",
+            OneOf(&[ANY, Form::Table(&RATIOS)]),
+            "",
+            "Poisson's ratios of the cells, in place of `material.poisson`: an expression of x and y at their centres, or a table.",
+        )
+        .without("`material.poisson` in all of them"),
+    ],
+);
+
+pub(super) static RATIOS: Table = table(
+    "material.cells.poisson",
+    "Poisson's ratios that are drawn at random, by uniform and seed, or read from a file, by file, dataset and order.",
+    &[
+        key("uniform", List(&Form::Number(RATIO), Some(2)), "", "The lowest and the highest ratio.")
+            .without("required without `file`"),
+        key("seed", Form::Whole(NATURAL), "", "Seed of the random numbers of `uniform`.").or(|| "0".to_owned()),
+        key("file", Text, "", "An HDF5 file, by its path from the folder of the scene.")
+            .without("required without `uniform`"),
+        key("dataset", Text, "", "Name of the array in the file.").without("required with `file`"),
+        key(
+            "order",
+            Words(&words(&ORDERS)),
+            "",
+            "How the array lies: first index along x and second along y upwards, or rows from the top.",
+        )
+        .without("what the attribute `axes` of the array says, else xy"),
     ],
 );
 
@@ -731,7 +757,7 @@ pub(super) static EXTERIOR: Table = table(
     "The unbounded material around the body; without `[material]` the outline of the body is a hole in it.",
     &[
         key("young", Expression(POSITIVE), "stress", "Young's modulus of the medium, one value.").required(),
-        POISSON,
+        POISSON.required(),
         PLANE.without("that of the body, else strain"),
         key(
             "displacement_jump",

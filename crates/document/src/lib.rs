@@ -438,7 +438,7 @@ fn substance(field: &Field<'_>, outline: &Polygon, context: &Context<'_>) -> Res
             "the cells give Young's modulus: remove one of the two",
         )),
         (Some(cells), None) => {
-            let of_unit_modulus = || body::material(&fields, context, 1.0);
+            let of_unit_modulus = |ratio: Option<f64>| body::material_with(&fields, context, 1.0, ratio);
             Ok(Substance::Cells(grid::cells(&cells, outline, of_unit_modulus, context)?))
         }
         (None, _) => {

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use steklov_bem_operators::Polygon;
 use steklov_expression::{Expression, Place, RandomField, Support};
 use steklov_problem::{
-    CellModuli, Cells, DataErrorKind, Germ, Problem, RandomConstants, RandomName, Sampling, Side, Stochastic,
-    field_cells,
+    Cells, DataErrorKind, Germ, Problem, RandomConstants, RandomName, Sampling, Side, Stochastic, field_cells,
 };
 use steklov_stochastic::{
     CellKarhunenLoeve, Covariance, Distribution, Field as Expansion, FieldCells, Kernel, StochasticError, Truncation,
@@ -177,8 +176,8 @@ pub(super) fn used(
 /// A field that is elsewhere too, where it would have other values.
 fn cells_of(problem: &Problem, name: &str) -> Result<Option<FieldCells>, ReadError> {
     let body = &problem.bodies[0];
-    let Some(Cells { size, young: CellModuli::Expression(young), .. }) = body.cells() else { return Ok(None) };
-    if !young.uses(name) {
+    let Some(Cells { size, .. }) = body.cells() else { return Ok(None) };
+    if !body.cell_expressions().any(|e| e.uses(name)) {
         return Ok(None);
     }
     let force = body.force.iter().flatten().map(|e| ("body force".to_owned(), e));
@@ -198,16 +197,12 @@ fn cells_of(problem: &Problem, name: &str) -> Result<Option<FieldCells>, ReadErr
 
 /// Refuses a field of one side in the data of another, where it has no value.
 pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -> Result<(), ReadError> {
-    if let Some(Cells { young: CellModuli::Expression(young), .. }) = problem.bodies[0].cells() {
-        for (name, declared) in declared.iter().filter(|(name, _)| young.uses(name)) {
+    for expression in problem.bodies[0].cell_expressions() {
+        for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {
             if let Declared::Field { support: Support::Side { name: on, .. }, .. } = declared {
-                let message = format!("the modulus of the cells uses the field {name} of side {on:?}");
-                return Err(ReadError::new(
-                    DataErrorKind::Conflict,
-                    young.place,
-                    message,
-                    "declare it with on = \"body\"",
-                ));
+                let message = format!("the cells use the field {name} of side {on:?}");
+                let help = "declare it with on = \"body\"";
+                return Err(ReadError::new(DataErrorKind::Conflict, expression.place, message, help));
             }
         }
     }

@@ -95,12 +95,19 @@ impl Persist for HeterogeneousBody {
         save(at, "grid", &self.grid)?;
         save(at, "elasticity", &self.elasticity)?;
         let meaning = "Young's modulus of each cell; of any value outside of the body";
-        save_vector(at, "young", &self.young, &label("stress", meaning, &["cell"]))
+        save_vector(at, "young", &self.young, &label("stress", meaning, &["cell"]))?;
+        let meaning = "Poisson's ratio of each cell; of any value outside of the body";
+        let ratios = |poisson: &[f64]| save_vector(at, "poisson", poisson, &label("1", meaning, &["cell"]));
+        self.poisson().map_or(Ok(()), ratios)
     }
 
     fn read(at: &Group) -> Result<Self, IoError> {
         let (grid, elasticity) = (load(at, "grid")?, load(at, "elasticity")?);
-        Self::new(grid, load_vector(at, "young")?, elasticity).map_err(|e| invalid(at, "young", e))
+        let body = Self::new(grid, load_vector(at, "young")?, elasticity).map_err(|e| invalid(at, "young", e))?;
+        match at.link_exists("poisson") {
+            true => body.with_poisson(load_vector(at, "poisson")?).map_err(|e| invalid(at, "poisson", e)),
+            false => Ok(body),
+        }
     }
 }
 

@@ -76,9 +76,12 @@ impl Persist for Problem {
 /// Checks that tables have a modulus for each cell.
 fn check_tables(at: &Group, outline: &Polygon, bodies: &[Body]) -> Result<(), IoError> {
     for (k, body) in bodies.iter().enumerate() {
-        let Some(Cells { size, young: CellModuli::Table { values, .. }, .. }) = body.cells() else { continue };
-        if modulus_cells(outline, *size).is_none_or(|[nx, ny]| nx * ny != values.len()) {
-            return Err(invalid(at, &format!("bodies/{k}/cells/table"), "it has not one modulus for each cell"));
+        let Some(Cells { size, young, poisson, .. }) = body.cells() else { continue };
+        for (of, place) in [(Some(young), "table"), (poisson.as_ref(), "poisson/table")] {
+            let Some(CellModuli::Table { values, .. }) = of else { continue };
+            if modulus_cells(outline, *size).is_none_or(|[nx, ny]| nx * ny != values.len()) {
+                return Err(invalid(at, &format!("bodies/{k}/cells/{place}"), "it has not one modulus for each cell"));
+            }
         }
     }
     Ok(())
@@ -265,13 +268,22 @@ fn load_body(at: &Group, expressions: &Numbered) -> Result<Body, IoError> {
 
 fn save_cells<'a>(at: &Group, cells: &'a Cells, expressions: &mut Numbering<'a>) -> Result<(), IoError> {
     save_number(at, "size", cells.size, "length", "side of a modulus cell")?;
-    let kind = match &cells.young {
+    save_values(at, &cells.young, expressions)?;
+    match &cells.poisson {
+        Some(poisson) => save_values(&create_group(at, "poisson")?, poisson, expressions),
+        None => Ok(()),
+    }
+}
+
+/// The numbers of cells: Young's moduli, in the group `poisson` Poisson's ratios.
+fn save_values<'a>(at: &Group, values: &'a CellModuli, expressions: &mut Numbering<'a>) -> Result<(), IoError> {
+    let kind = match values {
         CellModuli::Uniform { .. } => "uniform",
         CellModuli::Table { .. } => "table",
         CellModuli::Expression(_) => "expression",
     };
     save_text(at, "moduli", kind, "how the moduli are given")?;
-    match &cells.young {
+    match values {
         CellModuli::Uniform { low, high, seed } => {
             let meaning = "smallest and largest modulus, uniform between them";
             save_vector(at, "uniform", &[*low, *high], &label("stress", meaning, &["low, high"]))?;
@@ -295,7 +307,16 @@ fn save_cells<'a>(at: &Group, cells: &'a Cells, expressions: &mut Numbering<'a>)
 }
 
 fn load_cells(at: &Group, expressions: &Numbered, of_unit_modulus: Material) -> Result<Cells, IoError> {
-    let young = match load_text(at, "moduli")?.as_str() {
+    let young = load_values(at, expressions)?;
+    let ratios = at.link_exists("poisson").then(|| open_group(at, "poisson")).transpose()?;
+    let poisson = ratios.map(|group| load_values(&group, expressions)).transpose()?;
+    let size = load_number(at, "size")?;
+    check_finite(at, "size", &[size])?;
+    Ok(Cells { size, young, poisson, of_unit_modulus })
+}
+
+fn load_values(at: &Group, expressions: &Numbered) -> Result<CellModuli, IoError> {
+    Ok(match load_text(at, "moduli")?.as_str() {
         "uniform" => {
             let ends = load_vector(at, "uniform")?;
             check_length(at, "uniform", ends.len(), 2)?;
@@ -316,10 +337,7 @@ fn load_cells(at: &Group, expressions: &Numbered, of_unit_modulus: Material) -> 
             CellModuli::Expression(expressions.require(at, "young", young[0])?)
         }
         other => return Err(mismatch(at, "moduli", "uniform, table or expression", other)),
-    };
-    let size = load_number(at, "size")?;
-    check_finite(at, "size", &[size])?;
-    Ok(Cells { size, young, of_unit_modulus })
+    })
 }
 
 fn save_interface<'a>(at: &Group, interface: &'a Interface, expressions: &mut Numbering<'a>) -> Result<(), IoError> {

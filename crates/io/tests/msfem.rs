@@ -32,6 +32,11 @@ proptest! {
         let back = check_round_trip(&medium);
         let u: Vec<f64> = (0..medium.grid.dofs()).map(|i| (i as f64).sin()).collect();
         prop_assert_eq!(back.energy(&u, &u).to_bits(), medium.energy(&u, &u).to_bits());
+        let ratios = (0..16 * 12).map(|c| 0.49 * shares[c]).collect();
+        let mixed = medium.clone().with_poisson(ratios).unwrap();
+        let back = check_round_trip(&mixed);
+        prop_assert_eq!(back.poisson(), mixed.poisson());
+        prop_assert_eq!(back.energy(&u, &u).to_bits(), mixed.energy(&u, &u).to_bits());
         let mut mesh = CoarseMesh::uniform(&medium.grid, [4, 4]).unwrap();
         for _ in 0..3 {
             prop_assert_eq!(&check_round_trip(&mesh), &mesh);

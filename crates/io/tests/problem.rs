@@ -67,7 +67,10 @@ fn joined() -> Problem {
 fn surrounded(young: CellModuli) -> Problem {
     let outline = Polygon::new(rectangle([-1.0, 2.0], "", Path::Line), vec![]).unwrap();
     let of_unit_modulus = Material::new(1.0, 0.25, Plane::Stress).unwrap();
-    let mut problem = Problem::new(outline, Substance::Cells(Cells { size: 0.25, young, of_unit_modulus }));
+    let mut problem = Problem::new(
+        outline,
+        Substance::Cells(Cells { size: 0.25, poisson: Some(young.clone()), young, of_unit_modulus }),
+    );
     let basis = BasisInput::Oversampled;
     problem.bodies[0].grid = Some(GridInput { coarse: [2, 4], fine: [6, 3], basis, oversample: Some(1) });
     let remote_stress = [0.0, -1.0, 0.3];
@@ -172,6 +175,8 @@ fn damaged_problems_are_refused() {
     free.extend((0..2).flat_map(|k| ["data", "name"].map(|name| format!("interfaces/{k}/{name}"))));
     free.extend((0..3).map(|k| format!("bodies/{k}/name")));
     free.extend(["cells/source", "cells/seed"].map(|name| format!("bodies/0/{name}")));
+    let of_ratios = ["uniform", "table", "young", "source", "seed"];
+    free.extend(of_ratios.map(|name| format!("bodies/0/cells/poisson/{name}")));
     free.push("outline/path_numbers".into());
     let free: Vec<&str> = free.iter().map(String::as_str).collect();
     let [uniform, table, varying] = moduli();

@@ -6,17 +6,20 @@ use sprs::CsMat;
 use crate::elasticity::Elasticity;
 use crate::{Grid, MsfemError};
 
-/// A body of cells with a Young's modulus each and one Poisson's ratio.
+/// A body of cells with a Young's modulus each, and one Poisson's ratio or one for each cell.
 #[derive(Debug, Clone)]
 pub struct HeterogeneousBody {
     /// The cells.
     pub grid: Grid,
     /// E of each cell (stress), dropped ones included.
     pub young: Vec<f64>,
-    /// Poisson's ratio and plane.
+    /// Poisson's ratio and plane; the ratio of cells that have none of their own.
     pub elasticity: Elasticity,
-    /// K₀ of a cell.
+    /// ν of each cell, dropped ones included, where cells differ in it.
+    poisson: Option<Vec<f64>>,
+    /// K₀ of a cell, and its parts of λ and μ alone.
     pub(crate) unit: [[f64; 8]; 8],
+    parts: [[[f64; 8]; 8]; 2],
 }
 
 impl HeterogeneousBody {
@@ -36,7 +39,51 @@ impl HeterogeneousBody {
             return Err(MsfemError::Modulus { cell: grid.cell(cell), centre: grid.centre(cell), value });
         }
         let unit = elasticity.unit_stiffness(grid.spacing);
-        Ok(Self { grid, young, elasticity, unit })
+        let parts = Elasticity::parts_of_stiffness(grid.spacing);
+        Ok(Self { grid, young, elasticity, poisson: None, unit, parts })
+    }
+
+    /// The body with a Poisson's ratio of its own in each cell, dropped ones included.
+    ///
+    /// # Errors
+    /// [`MsfemError::Inconsistent`] for another number of ratios than cells, [`MsfemError::Poisson`] for one in the body outside
+    /// of (-1, 1/2).
+    pub fn with_poisson(self, poisson: Vec<f64>) -> Result<Self, MsfemError> {
+        if poisson.len() != self.young.len() {
+            let what = format!("{} Poisson's ratios for {} cells", poisson.len(), self.young.len());
+            return Err(MsfemError::Inconsistent { what });
+        }
+        self.grid.body_cells().try_for_each(|c| Elasticity::new(poisson[c], self.elasticity.plane).map(drop))?;
+        Ok(Self { poisson: Some(poisson), ..self })
+    }
+
+    /// ν of each cell, if they differ in it.
+    pub fn poisson(&self) -> Option<&[f64]> {
+        self.poisson.as_deref()
+    }
+
+    /// Poisson's ratio and plane of a cell.
+    pub fn elasticity_of(&self, cell: usize) -> Elasticity {
+        match &self.poisson {
+            Some(poisson) => Elasticity { poisson: poisson[cell], ..self.elasticity },
+            None => self.elasticity,
+        }
+    }
+
+    /// K₀ = λ K_λ + μ K_μ of a cell, for E = 1.
+    fn unit_of<'a>(&'a self, cell: usize, own: &'a mut [[f64; 8]; 8]) -> &'a [[f64; 8]; 8] {
+        if self.poisson.is_none() {
+            return &self.unit;
+        }
+        let [lambda, mu] = self.elasticity_of(cell).unit_lame();
+        let [of_lambda, of_mu] = &self.parts;
+        *own = std::array::from_fn(|a| std::array::from_fn(|b| lambda * of_lambda[a][b] + mu * of_mu[a][b]));
+        own
+    }
+
+    /// The stress at a local point of a cell with these displacements.
+    pub fn stress(&self, cell: usize, u: &[f64; 8], at: [f64; 2]) -> [f64; 3] {
+        self.elasticity_of(cell).stress(self.young[cell], u, at, self.grid.spacing)
     }
 
     /// The eight displacements of a cell.
@@ -47,7 +94,8 @@ impl HeterogeneousBody {
 
     /// K_e u of a cell.
     pub(crate) fn cell_forces(&self, cell: usize, u: &[f64; 8]) -> [f64; 8] {
-        self.unit.map(|row| self.young[cell] * row.iter().zip(u).map(|(k, u)| k * u).sum::<f64>())
+        let mut own = [[0.0; 8]; 8];
+        self.unit_of(cell, &mut own).map(|row| self.young[cell] * row.iter().zip(u).map(|(k, u)| k * u).sum::<f64>())
     }
 
     /// a(u, u) on a cell (force times length per thickness), u its eight displacements.
@@ -113,6 +161,8 @@ impl HeterogeneousBody {
         let mut row = Row { len: 0, blocks: [(0, [[0.0; 2]; 2]); 9] };
         for (cell, a) in self.around(node).into_iter().flatten() {
             let young = self.young[cell];
+            let mut own = [[0.0; 8]; 8];
+            let unit = self.unit_of(cell, &mut own);
             for (b, &other) in self.grid.cell_nodes(cell).iter().enumerate() {
                 let found = row.blocks[..row.len].iter().position(|(n, _)| *n as usize == other);
                 let at = found.unwrap_or_else(|| {
@@ -122,7 +172,7 @@ impl HeterogeneousBody {
                 });
                 for c in 0..2 {
                     for d in 0..2 {
-                        row.blocks[at].1[c][d] += young * self.unit[2 * a + c][2 * b + d];
+                        row.blocks[at].1[c][d] += young * unit[2 * a + c][2 * b + d];
                     }
                 }
             }
@@ -158,7 +208,7 @@ impl HeterogeneousBody {
                 return [f64::NAN; 3];
             }
             let u = self.cell_values(u, cell);
-            self.elasticity.stress(self.young[cell], &u, [0.5; 2], self.grid.spacing)
+            self.stress(cell, &u, [0.5; 2])
         };
         (0..nx * ny).into_par_iter().map(at).collect()
     }
@@ -169,7 +219,7 @@ impl HeterogeneousBody {
         let values = self.cell_values(u, cell);
         let shape = crate::elasticity::shape(local);
         let displacement = [0, 1].map(|i| (0..4).map(|a| shape[a] * values[2 * a + i]).sum());
-        Some((displacement, self.elasticity.stress(self.young[cell], &values, local, self.grid.spacing)))
+        Some((displacement, self.stress(cell, &values, local)))
     }
 }
 

@@ -55,37 +55,18 @@ impl Elasticity {
     }
 
     /// C(1), the stress of a Voigt strain for E = 1.
-    pub fn unit_stress(&self, [xx, yy, xy]: [f64; 3]) -> [f64; 3] {
-        let [lambda, mu] = self.unit_lame();
-        let trace = lambda * (xx + yy);
-        [trace + 2.0 * mu * xx, trace + 2.0 * mu * yy, mu * xy]
+    pub fn unit_stress(&self, strain: [f64; 3]) -> [f64; 3] {
+        stress_of(self.unit_lame(), strain)
     }
 
     /// K₀ = ∫ Bᵀ C(1) B over a cell with sides hx, hy (dimensionless); 2×2 Gauss points are exact. K_e = E_e K₀.
     pub fn unit_stiffness(&self, spacing: [f64; 2]) -> [[f64; 8]; 8] {
-        let mut k = [[0.0; 8]; 8];
-        let weight = 0.25 * spacing[0] * spacing[1];
-        for xi in GAUSS {
-            for eta in GAUSS {
-                let d = gradients([xi, eta], spacing);
-                for b in 0..8 {
-                    let mut unit = [0.0; 8];
-                    unit[b] = 1.0;
-                    let stress = self.unit_stress(strain(&unit, &d));
-                    for a in 0..4 {
-                        k[2 * a][b] += weight * (d[a][0] * stress[0] + d[a][1] * stress[2]);
-                        k[2 * a + 1][b] += weight * (d[a][1] * stress[1] + d[a][0] * stress[2]);
-                    }
-                }
-            }
-        }
-        // the same bits on both sides of the diagonal
-        for a in 0..8 {
-            for b in 0..a {
-                k[a][b] = k[b][a];
-            }
-        }
-        k
+        stiffness(self.unit_lame(), spacing)
+    }
+
+    /// K_λ and K_μ: the stiffness of λ = 1 alone, and of μ = 1 alone; K₀ = λ K_λ + μ K_μ.
+    pub(crate) fn parts_of_stiffness(spacing: [f64; 2]) -> [[[f64; 8]; 8]; 2] {
+        [[1.0, 0.0], [0.0, 1.0]].map(|lame| stiffness(lame, spacing))
     }
 
     /// Stress at the local point (ξ, η) of a cell with Young's modulus E and nodal displacement u.
@@ -97,6 +78,39 @@ impl Elasticity {
     pub fn von_mises(&self, stress: [f64; 3]) -> f64 {
         steklov_elastic::von_mises(stress, self.poisson, self.plane)
     }
+}
+
+/// Stress of a Voigt strain for Lamé's constants λ, μ.
+pub(crate) fn stress_of([lambda, mu]: [f64; 2], [xx, yy, xy]: [f64; 3]) -> [f64; 3] {
+    let trace = lambda * (xx + yy);
+    [trace + 2.0 * mu * xx, trace + 2.0 * mu * yy, mu * xy]
+}
+
+/// ∫ Bᵀ C B over a cell for Lamé's constants.
+fn stiffness(lame: [f64; 2], spacing: [f64; 2]) -> [[f64; 8]; 8] {
+    let mut k = [[0.0; 8]; 8];
+    let weight = 0.25 * spacing[0] * spacing[1];
+    for xi in GAUSS {
+        for eta in GAUSS {
+            let d = gradients([xi, eta], spacing);
+            for b in 0..8 {
+                let mut unit = [0.0; 8];
+                unit[b] = 1.0;
+                let stress = stress_of(lame, strain(&unit, &d));
+                for a in 0..4 {
+                    k[2 * a][b] += weight * (d[a][0] * stress[0] + d[a][1] * stress[2]);
+                    k[2 * a + 1][b] += weight * (d[a][1] * stress[1] + d[a][0] * stress[2]);
+                }
+            }
+        }
+    }
+    // the same bits on both sides of the diagonal
+    for a in 0..8 {
+        for b in 0..a {
+            k[a][b] = k[b][a];
+        }
+    }
+    k
 }
 
 /// Voigt strain of nodal displacements.

@@ -253,6 +253,6 @@ pub(crate) fn neighbour(grid: &Grid, cell: usize, side: usize) -> Option<usize> 
 fn side_traction(body: &HeterogeneousBody, u: &[f64], cell: usize, side: usize, at: f64) -> [f64; 2] {
     let point = [[at, 0.0], [1.0, at], [at, 1.0], [0.0, at]][side];
     let values = body.cell_values(u, cell);
-    let [xx, yy, xy] = body.elasticity.stress(body.young[cell], &values, point, body.grid.spacing);
+    let [xx, yy, xy] = body.stress(cell, &values, point);
     [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][side]
 }

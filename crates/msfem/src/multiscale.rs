@@ -66,6 +66,10 @@ impl<'a> Multiscale<'a> {
     /// # Errors
     /// [`MsfemError::Inconsistent`] for hanging vertices and a basis that is not conforming.
     pub fn new(body: &'a HeterogeneousBody, mesh: CoarseMesh, basis: Basis) -> Result<Self, MsfemError> {
+        if body.poisson().is_some() {
+            let what = "multiscale elements are of one Poisson's ratio, and cells differ in it".to_owned();
+            return Err(MsfemError::Inconsistent { what });
+        }
         if !basis.is_conforming() && !mesh.hanging.is_empty() {
             let what = format!("cells of different sizes need a conforming basis, not \"{}\"", basis.word());
             return Err(MsfemError::Inconsistent { what });

@@ -6,4 +6,5 @@ mod common;
 mod contrast;
 mod fine_error;
 mod indicators;
+mod poisson;
 mod refinement;

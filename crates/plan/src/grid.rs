@@ -6,7 +6,7 @@ use steklov_problem::{
     BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, Surroundings, bounding_box, grid_of,
 };
 
-use super::{Cost, Decision, MODULI, Plan, contact, decision, far_away, plane, random};
+use super::{Cost, Decision, MODULI, Plan, RATIOS, contact, decision, far_away, plane, random};
 
 /// Bytes for the moduli, the fields and the result of a fine cell.
 const BYTES_OF_CELL: f64 = 200.0;
@@ -19,7 +19,7 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
     let Some(input) = &scene.body().grid else { unreachable!("a scene without a grid is refused where it is read") };
     modelled.push(discretisation(scene, input));
     modelled.push(decision("plane", plane(scene), "as the scene says"));
-    modelled.push(moduli(scene));
+    modelled.extend(moduli(scene));
     if multiscale {
         modelled.push(basis(input));
     }
@@ -174,22 +174,24 @@ fn asked(refine: Refine, known: Refine) -> &'static str {
     if refine == known { "" } else { "the degree is one; " }
 }
 
-fn moduli(scene: &Scene) -> Decision {
-    match scene.body().cells() {
-        None => decision(MODULI, scene.body().material().young.to_string(), "the same in all cells"),
-        Some(cells) => {
-            let text = match &cells.young {
-                CellModuli::Uniform { low, high, seed } => format!("random in [{low}, {high}], seed {seed}"),
-                CellModuli::Table { source, order, .. } => format!("{source}: {}", order.words()),
-                CellModuli::Expression(young) => young.text().to_owned(),
-            };
-            let why = match cells.young.constant() {
-                Some(_) => "the same in all cells".to_owned(),
-                None => format!("constant in cells of the size {}", cells.size),
-            };
-            decision(MODULI, text, why)
-        }
-    }
+/// The decisions about Young's moduli, and about Poisson's ratios that differ.
+fn moduli(scene: &Scene) -> Vec<Decision> {
+    let Some(cells) = scene.body().cells() else {
+        return vec![decision(MODULI, scene.body().material().young.to_string(), "the same in all cells")];
+    };
+    let told = |what: &str, values: &CellModuli| {
+        let text = match values {
+            CellModuli::Uniform { low, high, seed } => format!("random in [{low}, {high}], seed {seed}"),
+            CellModuli::Table { source, order, .. } => format!("{source}: {}", order.words()),
+            CellModuli::Expression(value) => value.text().to_owned(),
+        };
+        let why = match values.constant() {
+            Some(_) => "the same in all cells".to_owned(),
+            None => format!("constant in cells of the size {}", cells.size),
+        };
+        decision(what, text, why)
+    };
+    std::iter::once(told(MODULI, &cells.young)).chain(cells.poisson.as_ref().map(|p| told(RATIOS, p))).collect()
 }
 
 fn basis(input: &GridInput) -> Decision {

@@ -100,6 +100,8 @@ pub const NEXT_MESH: &str = "next mesh";
 
 /// The subject of the decision about the moduli of a body on a grid.
 pub const MODULI: &str = "Young's modulus";
+/// The decision about Poisson's ratios that differ from cell to cell.
+pub const RATIOS: &str = "Poisson's ratio";
 
 /// The decision about the mesh for which memory is too small.
 pub fn without_memory(lack: Lack) -> Decision {

@@ -160,7 +160,9 @@ pub struct Cells {
     pub size: f64,
     /// Their moduli.
     pub young: CellModuli,
-    /// The material of modulus 1 with the same Poisson's ratio in the same plane.
+    /// Their Poisson's ratios; none where all have that of the material.
+    pub poisson: Option<CellModuli>,
+    /// The material of modulus 1 with the same Poisson's ratio, about their mean if they differ, in the same plane.
     pub of_unit_modulus: Material,
 }
 

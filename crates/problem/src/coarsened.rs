@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use steklov_expression::RandomField;
 
-use super::moduli::modulus_values;
+use super::moduli::cell_values;
 use super::{
     CellModuli, Cells, GridInput, RandomName, Scene, Substance, TableOrder, check_body, field_cells, modulus_cells,
 };
@@ -13,8 +13,8 @@ impl Scene {
     /// The scene with cells twice as large along both axes, of bilinear elements: fine cells at first down to modulus cells, then
     /// both. None where cells are odd in number, or where the body, its moduli or a random field do not consist of such cells.
     ///
-    /// Moduli are the geometric means of those of the smaller cells if they are numbers, and the expression in the larger cell
-    /// if they are one; a field of cells has the mean over the larger cell. Germs mean the same outcome on both grids.
+    /// Moduli are the geometric means of those of the smaller cells if they are numbers (Poisson's ratios the arithmetic ones), and
+    /// the expression in the larger cell if they are one; a field of cells has the mean over the larger cell. Germs mean the same outcome on both grids.
     pub fn coarsened(&self) -> Option<Self> {
         let input = self.body().grid.as_ref()?;
         let cells = halved(input.cells())?;
@@ -37,26 +37,29 @@ impl Scene {
     /// Modulus cells twice as large.
     fn larger_cells(&self, cells: &Cells, counts: [usize; 2]) -> Option<Cells> {
         let larger = halved(counts)?;
-        let young = match &cells.young {
-            CellModuli::Expression(young) => CellModuli::Expression(young.clone()),
-            CellModuli::Uniform { .. } | CellModuli::Table { .. } => {
-                let values = modulus_values(self, cells, counts);
-                // moduli outside of the body may be anything
-                let inside = field_cells(&self.problem.outline, self.body().grid.as_ref()?, cells.size)?.inside?;
-                let mean = |ix: usize, iy: usize| -> f64 {
-                    let parts = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[a, b]| (2 * ix + a) * counts[1] + 2 * iy + b);
-                    let own: Vec<f64> = parts.iter().filter(|&&i| inside[i]).map(|&i| values[i].ln()).collect();
-                    if own.is_empty() { 1.0 } else { (own.iter().sum::<f64>() / own.len() as f64).exp() }
-                };
-                let means: Vec<f64> = (0..larger[0])
-                    .flat_map(|ix| (0..larger[1]).map(move |iy| (ix, iy)))
-                    .map(|(i, j)| mean(i, j))
-                    .collect();
-                let source = "means over larger cells".to_owned();
-                CellModuli::Table { values: means.into(), order: TableOrder::Xy, source }
+        // numbers outside of the body may be anything
+        let inside = field_cells(&self.problem.outline, self.body().grid.as_ref()?, cells.size)?.inside?;
+        let means = |of_cells: &CellModuli, forth: fn(f64) -> f64, back: fn(f64) -> f64| {
+            if let CellModuli::Expression(value) = of_cells {
+                return CellModuli::Expression(value.clone());
             }
+            let values = cell_values(self, cells.size, of_cells, counts);
+            let mean = |c: usize| -> f64 {
+                let (ix, iy) = (c / larger[1], c % larger[1]);
+                let parts = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[a, b]| (2 * ix + a) * counts[1] + 2 * iy + b);
+                let own: Vec<f64> = parts.iter().filter(|&&i| inside[i]).map(|&i| forth(values[i])).collect();
+                if own.is_empty() { values[parts[0]] } else { back(own.iter().sum::<f64>() / own.len() as f64) }
+            };
+            let means: Vec<f64> = (0..larger[0] * larger[1]).map(mean).collect();
+            let source = "means over larger cells".to_owned();
+            CellModuli::Table { values: means.into(), order: TableOrder::Xy, source }
         };
-        Some(Cells { size: 2.0 * cells.size, young, of_unit_modulus: cells.of_unit_modulus })
+        Some(Cells {
+            size: 2.0 * cells.size,
+            young: means(&cells.young, f64::ln, f64::exp),
+            poisson: cells.poisson.as_ref().map(|poisson| means(poisson, |v| v, |v| v)),
+            of_unit_modulus: cells.of_unit_modulus,
+        })
     }
 }
 

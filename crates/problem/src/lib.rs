@@ -76,7 +76,7 @@ pub use method::{
     Expectation, INDICATORS, Indicator, MODELS, MULTIPLIER_MESHES, MULTIPLIERS, Method, Model, Multiplier, REFINES,
     Refine, SOLVERS, Solver,
 };
-pub use moduli::{check_modulus_cells, field_cells, moduli, modulus_cells};
+pub use moduli::{check_modulus_cells, field_cells, moduli, modulus_cells, poisson_ratios};
 pub use probe::{MOST_POINTS, ProbeLine, Spot};
 pub use problem::{Body, Faces, Interface, Law, Other, Place, Problem, Substance};
 pub use random::{Germ, Random, RandomConstants, RandomName, Sampling, Stochastic};

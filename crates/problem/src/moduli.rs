@@ -80,11 +80,13 @@ pub fn check_modulus_cells(scene: &Scene, cells: &Cells, fine: [usize; 2]) -> Re
         };
         return refuse(message, &help);
     };
-    if let CellModuli::Table { values, source, .. } = &cells.young
-        && values.len() != nx * ny
-    {
-        let message = format!("{source} has {} moduli of {nx} by {ny} cells", values.len());
-        return Err(DataError::at(Kind::Value, &[YOUNG.to_vec()], message, "give one modulus for each cell"));
+    for (of_cells, key) in [(Some(&cells.young), YOUNG), (cells.poisson.as_ref(), POISSON)] {
+        if let Some(CellModuli::Table { values, source, .. }) = of_cells
+            && values.len() != nx * ny
+        {
+            let message = format!("{source} has {} moduli of {nx} by {ny} cells", values.len());
+            return Err(DataError::at(Kind::Value, &[key.to_vec()], message, "give one modulus for each cell"));
+        }
     }
     if fine[0].is_multiple_of(nx) && fine[1].is_multiple_of(ny) {
         return Ok([nx, ny]);
@@ -100,6 +102,7 @@ pub fn check_modulus_cells(scene: &Scene, cells: &Cells, fine: [usize; 2]) -> Re
 
 const SIZE: [&str; 3] = ["material", "cells", "size"];
 const YOUNG: [&str; 3] = ["material", "cells", "young"];
+const POISSON: [&str; 3] = ["material", "cells", "poisson"];
 
 /// Young's modulus (stress) of every cell of a grid over the bounding box of the scene's body, in the order of the cells'
 /// numbers: that of `[material.cells]`, or `material.young` everywhere. In cells outside of the body it is not checked.
@@ -116,32 +119,53 @@ pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, DataError> {
     let body = scene.body();
     let Substance::Cells(cells) = &body.substance else { return Ok(vec![body.material().young; nx * ny]) };
     let counts = check_modulus_cells(scene, cells, grid.cells)?;
-    let values = modulus_values(scene, cells, counts);
+    let values = cell_values(scene, cells.size, &cells.young, counts);
     let parent = |cell: usize| parent(grid.cell(cell), grid.cells, counts);
     match grid.body_cells().map(parent).find(|&i| !(values[i] > 0.0 && values[i].is_finite())) {
         None => Ok((0..nx * ny).map(|cell| values[parent(cell)]).collect()),
         Some(i) => {
-            let centre = centre(scene, cells, counts, i);
+            let centre = centre(scene, cells.size, counts, i);
             Err(impossible(&cells.young, values[i], ([i / counts[1], i % counts[1]], counts), centre))
         }
     }
 }
 
-/// The middle of a modulus cell.
-fn centre(scene: &Scene, cells: &Cells, counts: [usize; 2], i: usize) -> [f64; 2] {
-    let (low, _) = bounding_box(&scene.problem.outline);
-    [0, 1].map(|k| low[k] + cells.size * ([i / counts[1], i % counts[1]][k] as f64 + 0.5))
+/// Poisson's ratio of every cell of a grid, in the order of the cells' numbers, where modulus cells have ratios of their own:
+/// given like Young's modulus.
+///
+/// # Errors
+/// Modulus cells that do not fit the grid; a table that does not have NX × NY numbers; a ratio in the body that is not above -1
+/// and below ½, with its place.
+pub fn poisson_ratios(scene: &Scene, grid: &Grid) -> Result<Option<Vec<f64>>, DataError> {
+    let Some(cells) = scene.body().cells() else { return Ok(None) };
+    let Some(poisson) = &cells.poisson else { return Ok(None) };
+    let counts = check_modulus_cells(scene, cells, grid.cells)?;
+    let values = cell_values(scene, cells.size, poisson, counts);
+    let parent = |cell: usize| parent(grid.cell(cell), grid.cells, counts);
+    if let Some(i) = grid.body_cells().map(parent).find(|&i| !(values[i] > -1.0 && values[i] < 0.5)) {
+        let [x, y] = centre(scene, cells.size, counts, i);
+        let message = format!("Poisson's ratio is {} in the cell with the centre ({x}, {y})", values[i]);
+        let help = "a ratio is above -1 and below 0.5 in every cell of the body";
+        return Err(DataError::at(Kind::Data, &[POISSON.to_vec()], message, help));
+    }
+    Ok(Some((0..grid.cells[0] * grid.cells[1]).map(|cell| values[parent(cell)]).collect()))
 }
 
-/// Young's modulus of every modulus cell of the bounding box.
-pub(super) fn modulus_values(scene: &Scene, cells: &Cells, counts: [usize; 2]) -> Vec<f64> {
+/// The middle of a modulus cell.
+fn centre(scene: &Scene, size: f64, counts: [usize; 2], i: usize) -> [f64; 2] {
+    let (low, _) = bounding_box(&scene.problem.outline);
+    [0, 1].map(|k| low[k] + size * ([i / counts[1], i % counts[1]][k] as f64 + 0.5))
+}
+
+/// The number of every modulus cell of the bounding box.
+pub(super) fn cell_values(scene: &Scene, size: f64, of_cells: &CellModuli, counts: [usize; 2]) -> Vec<f64> {
     let all = 0..counts[0] * counts[1];
-    match &cells.young {
+    match of_cells {
         CellModuli::Uniform { low, high, seed } => {
             all.map(|i| low + (high - low) * unit_uniform(*seed, i as u64)).collect()
         }
-        CellModuli::Expression(young) => {
-            all.map(|i| centre(scene, cells, counts, i)).map(|[x, y]| young.eval(x, y, 0.0)).collect()
+        CellModuli::Expression(value) => {
+            all.map(|i| centre(scene, size, counts, i)).map(|[x, y]| value.eval(x, y, 0.0)).collect()
         }
         CellModuli::Table { values, .. } => values.to_vec(),
     }

@@ -31,8 +31,12 @@ impl Scene {
             let material = with_young(&self.body().material(), value(young), young)?;
             problem.bodies[0].substance = Substance::Homogeneous(material);
         }
-        if let Substance::Cells(Cells { young: CellModuli::Expression(young), .. }) = &mut problem.bodies[0].substance {
-            take(young);
+        if let Substance::Cells(Cells { young, poisson, .. }) = &mut problem.bodies[0].substance {
+            for of_cells in std::iter::once(young).chain(poisson) {
+                if let CellModuli::Expression(value) = of_cells {
+                    take(value);
+                }
+            }
         }
         for side in &mut problem.sides {
             side.condition.expressions_mut().for_each(take);

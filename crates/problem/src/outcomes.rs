@@ -2,7 +2,7 @@
 
 use steklov_stochastic::{CellBasis, Nodes, StochasticCell, StochasticError, Variable, smolyak};
 
-use super::{DataError, Sampling, Scene, Stochastic, grid_of, moduli};
+use super::{DataError, Sampling, Scene, Stochastic, grid_of, moduli, poisson_ratios};
 
 /// Outcomes beyond this probability at either end of a germ without bounds are not examined.
 const RARE: f64 = 1e-12;
@@ -25,7 +25,10 @@ impl Scene {
         let grid = on_grid.then(|| grid_of(self)).transpose()?;
         let check = |germs: &[f64]| {
             let outcome = self.outcome(germs)?;
-            grid.as_ref().map(|grid| moduli(&outcome, grid)).transpose()?;
+            if let Some(grid) = &grid {
+                moduli(&outcome, grid)?;
+                poisson_ratios(&outcome, grid)?;
+            }
             outcome.check_data()
         };
         let ends: Vec<[f64; 2]> = random.germs.iter().map(|g| ends(&g.variable, &random.stochastic)).collect();

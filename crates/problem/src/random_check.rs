@@ -38,7 +38,7 @@ impl Scene {
         let mut all: Vec<(Datum, &Expression)> = Vec::new();
         all.extend(random.constants.young.iter().map(|e| (Datum::Young, e)));
         all.extend(random.constants.remote_stress.iter().flatten().map(|e| (Datum::Remote, e)));
-        all.extend(self.cell_modulus().map(|e| (Datum::Young, e)));
+        all.extend(self.body().cell_expressions().map(|e| (Datum::Young, e)));
         all.extend(self.body().force.iter().flatten().map(|e| (Datum::Load, e)));
         for side in 0..self.problem.sides.len() {
             all.extend(self.problem.side_data(side).into_iter().map(|(what, e)| match what {

@@ -4,7 +4,7 @@ use steklov_bem_operators::Edge;
 use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch, Value};
 
 use super::cells::bounding_box;
-use super::{CellModuli, Cells, Random, RandomName, Scene};
+use super::{Random, RandomName, Scene};
 
 /// Most boxes of one germ that are examined for the zeros of a switch.
 const BOXES: usize = 10_000;
@@ -72,7 +72,7 @@ impl Scene {
         let mut all: Vec<(Expression, Vec<[[f64; 2]; 2]>)> = Vec::new();
         let young = random.constants.young.as_ref();
         all.extend(young.and_then(free).map(|e| (e, nowhere.clone())));
-        all.extend(self.cell_modulus().and_then(free).map(|e| (e, self.rows_of_cells())));
+        all.extend(self.body().cell_expressions().filter_map(free).map(|e| (e, self.rows_of_cells())));
         let forces = self.body().force.iter().flatten();
         all.extend(forces.filter_map(free).map(|e| (e, nowhere.clone())));
         for index in 0..self.problem.sides.len() {
@@ -108,14 +108,6 @@ impl Scene {
             }
         }
         signals
-    }
-
-    /// Young's modulus of cells, where it is an expression.
-    pub(super) fn cell_modulus(&self) -> Option<&Expression> {
-        match self.body().cells() {
-            Some(Cells { young: CellModuli::Expression(young), .. }) => Some(young),
-            _ => None,
-        }
     }
 
     /// The middle lines of rows of modulus cells from left to right, 32 of them at most.

@@ -10,7 +10,7 @@ use steklov_model::summary::{
     Audit, ContactSummary, Expected, GridSummary, LineProbe, MediumSummary, SideProbe, Summary,
 };
 use steklov_picture::plain;
-use steklov_plan::MODULI;
+use steklov_plan::{MODULI, RATIOS};
 use steklov_result::record::Record;
 
 use crate::numbers::{DIGITS, beside, digits};
@@ -327,8 +327,10 @@ fn on_grid(stored: &Record, grid: &GridSummary, lines: &mut Lines) {
         lines.say("", format!("{n} boundary elements of the medium around it"));
     }
     lines.say("", format!("contrast of the moduli {}", plain(grid.contrast, 5)));
-    let moduli = stored.plan.modelled.iter().filter(|d| d.what == MODULI);
-    moduli.for_each(|d| lines.say("", format!("modulus {}", d.choice)));
+    for (what, word) in [(MODULI, "modulus"), (RATIOS, "Poisson's ratio")] {
+        let told = stored.plan.modelled.iter().filter(|d| d.what == what);
+        told.for_each(|d| lines.say("", format!("{word} {}", d.choice)));
+    }
 }
 
 fn audit(a: &Audit, lines: &mut Lines) {

@@ -11,7 +11,7 @@ use steklov_model::solve::contact_rows::Trace;
 use steklov_model::solve::solution::Solved;
 use steklov_model::solve::solution::TieRow;
 use steklov_model::stochastic::StochasticResult;
-use steklov_problem::{Scene, moduli};
+use steklov_problem::{Scene, moduli, poisson_ratios};
 
 use crate::body_grid::body_grid;
 use crate::grid::{GridRecord, record, store as grid};
@@ -102,7 +102,12 @@ impl Keep for OnGrid {
         // moduli from another file may have changed since
         let stored = grid::read(file, &vtkhdf::read(file)?)?.body;
         let now = moduli(scene, &stored.grid).map_err(|e| invalid(file, "multiscale", e.to_string()))?;
-        if stored.grid.body_cells().any(|c| stored.young[c] != now[c]) {
+        let ratios = poisson_ratios(scene, &stored.grid).map_err(|e| invalid(file, "multiscale", e.to_string()))?;
+        let same = |c: usize| match (stored.poisson(), &ratios) {
+            (Some(stored), Some(now)) => stored[c] == now[c],
+            (stored, now) => stored.is_none() && now.is_none(),
+        };
+        if stored.grid.body_cells().any(|c| stored.young[c] != now[c] || !same(c)) {
             let why = "it was solved with other moduli than those that [material.cells] gives now";
             return Err(invalid(file, "multiscale", why));
         }

@@ -1,7 +1,7 @@
 //! The cells of a scene and the basis on them.
 
 use steklov_msfem::{Basis, Elasticity, Grid, HeterogeneousBody};
-use steklov_problem::{BasisInput, Scene, grid_of, moduli};
+use steklov_problem::{BasisInput, Scene, grid_of, moduli, poisson_ratios};
 
 use super::layout::GridLayout;
 use crate::error::SolveError;
@@ -14,11 +14,13 @@ pub(crate) fn body(scene: &Scene, layout: &GridLayout) -> Result<HeterogeneousBo
     let spacing = coarse.spacing.map(|h| h / parts as f64);
     let grid = Grid::new(coarse.origin, spacing, cells, |ix, iy| coarse.inside(ix / parts, iy / parts))?;
     let young = moduli(scene, &grid)?;
-    Ok(HeterogeneousBody::new(
-        grid,
-        young,
-        Elasticity::new(scene.body().material().poisson, scene.body().material().plane)?,
-    )?)
+    let poisson = poisson_ratios(scene, &grid)?;
+    let material = scene.body().material();
+    let body = HeterogeneousBody::new(grid, young, Elasticity::new(material.poisson, material.plane)?)?;
+    Ok(match poisson {
+        Some(poisson) => body.with_poisson(poisson)?,
+        None => body,
+    })
 }
 
 /// The basis that a scene asks for.

@@ -175,7 +175,7 @@ fn beside_medium(
     let (body, (cell, number)) = (&solved.body, side.side);
     let middle = [[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]][number];
     let u = body.cell_values(&solved.displacement, cell);
-    let [xx, yy, xy] = body.elasticity.stress(body.young[cell], &u, middle, body.grid.spacing);
+    let [xx, yy, xy] = body.stress(cell, &u, middle);
     let own = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
     let share = share(solved, around, cell);
     [0, 1].map(|i| {

@@ -196,7 +196,7 @@ fn solve_fine(
     let traction = |u: &[f64], e: usize, _: usize| {
         let cell = trace.cell(grid, e).0;
         let values = body.cell_values(u, cell);
-        moment(body.elasticity.stress(body.young[cell], &values, [0.5; 2], grid.spacing), &trace, e)
+        moment(body.stress(cell, &values, [0.5; 2]), &trace, e)
     };
     let at_boundary = system.at_boundary.clone();
     let answer = system.solve(scene, &trace, held, boundary.clone(), &traction, observe)?;

@@ -55,9 +55,12 @@ pub(crate) fn vtk(solved: &GridSolved, outcomes: Option<&BodyMoments>) -> VtkGri
     let mut point_data = vec![field("displacement", "length", 3, in_space(&solved.displacement))];
     let mut cell_data = vec![
         field("stress", "stress", 3, cells.iter().flat_map(|&c| stresses[c]).collect()),
-        field("von_mises", "stress", 1, cells.iter().map(|&c| body.elasticity.von_mises(stresses[c])).collect()),
+        field("von_mises", "stress", 1, cells.iter().map(|&c| body.elasticity_of(c).von_mises(stresses[c])).collect()),
         field("young", "stress", 1, cells.iter().map(|&c| body.young[c]).collect()),
     ];
+    if let Some(poisson) = body.poisson() {
+        cell_data.push(field("poisson", "1", 1, cells.iter().map(|&c| poisson[c]).collect()));
+    }
     if let Some(BodyMoments { displacement, stress, young }) = outcomes {
         let roots = |moments: &Moments| -> Vec<f64> { moments.variance.iter().map(|v| v.sqrt()).collect() };
         point_data.push(field("mean_displacement", "length", 3, in_space(&displacement.mean)));

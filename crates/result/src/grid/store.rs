@@ -186,7 +186,16 @@ fn load_body(at: &Group, fields: &vtkhdf::Grid) -> Result<HeterogeneousBody, IoE
     let values = of_quads(fields, "young", 1).ok_or_else(|| invalid(at, "", "/VTKHDF has no modulus for each cell"))?;
     let mut young = vec![f64::NAN; rows.len()];
     grid.body_cells().zip(values).for_each(|(cell, value)| young[cell] = *value);
-    HeterogeneousBody::new(grid, young, load(at, "elasticity")?).map_err(|e| invalid(at, "", e))
+    let ratios = of_quads(fields, "poisson", 1).map(|values| {
+        let mut poisson = vec![f64::NAN; rows.len()];
+        grid.body_cells().zip(values).for_each(|(cell, value)| poisson[cell] = *value);
+        poisson
+    });
+    let body = HeterogeneousBody::new(grid, young, load(at, "elasticity")?).map_err(|e| invalid(at, "", e))?;
+    match ratios {
+        Some(poisson) => body.with_poisson(poisson).map_err(|e| invalid(at, "", e)),
+        None => Ok(body),
+    }
 }
 
 /// The values of a field in the quadrilaterals, if there is such a field.

@@ -71,7 +71,8 @@ pub(super) fn plate(
     let mut scene = Scene::new(polygon, material);
     let body = scene.body_mut();
     let young = CellModuli::Expression(young);
-    body.substance = Substance::Cells(Cells { size: 1.0 / along as f64, young, of_unit_modulus: material });
+    body.substance =
+        Substance::Cells(Cells { size: 1.0 / along as f64, young, poisson: None, of_unit_modulus: material });
     body.grid = Some(GridInput { coarse, fine, basis: BasisInput::Coupled, oversample: None });
     for (side, condition) in
         [("left", Condition::held()), ("right", Condition::Traction([0.0, -1.0].map(Expression::number)))]

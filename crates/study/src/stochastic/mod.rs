@@ -47,8 +47,15 @@ pub struct Stochastic<'a> {
 /// The random input of a scene.
 ///
 /// # Errors
-/// A scene without random input.
+/// A scene without random input, or on a grid.
 pub fn random(scene: &Scene) -> Result<&Random, DataError> {
+    if scene.is_on_grid() {
+        let message = "the study of random input is of boundary elements, and the body of the scene is on a grid";
+        let help =
+            "solve it with one method after the other: stochastic.method = \"sparse\", \"multilevel\", \"monte-carlo\"";
+        let keys = &[vec!["material", "cells"], vec!["method", "model"], vec!["random"]];
+        return Err(DataError::at(DataErrorKind::Unsupported, keys, message.to_owned(), help));
+    }
     scene.random.as_ref().ok_or_else(|| {
         let message = "the study is about random input, and no datum of the scene uses any".to_owned();
         let help =
