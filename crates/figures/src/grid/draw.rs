@@ -4,8 +4,8 @@ use std::cmp::Reverse;
 
 use steklov_msfem::{Basis, CellBasis, CoarseCell, CoarseMesh, Grid, HeterogeneousBody, Multiscale};
 use steklov_picture::{
-    Axis, BasisFunction, Chart, Colours, Curve, Picture, PictureError, Scale, Series, basis, chart, deformed_cells,
-    in_unit, lattice_triangles,
+    Axis, BasisFunction, CellField, Chart, Colours, Curve, Picture, PictureError, Scale, Series, basis, cell_fields,
+    chart, deformed_cells, in_unit, lattice_triangles,
 };
 use steklov_result::grid::GridRecord;
 use steklov_result::grid::of_quads;
@@ -128,17 +128,58 @@ pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Pict
         let values: Vec<f64> = values.map(|(c, v)| if grid.inside(c / ny, c % ny) { v } else { f64::NAN }).collect();
         add("moduli", &label, &values, Colours::Automatic)?;
     }
+    if let Some(ratios) = body.poisson() {
+        let [_, ny] = grid.cells;
+        let inside = |(c, v): (usize, &f64)| if grid.inside(c / ny, c % ny) { *v } else { f64::NAN };
+        let ratios: Vec<f64> = ratios.iter().enumerate().map(inside).collect();
+        add("ratios", "Poisson's ratio", &ratios, Colours::Automatic)?;
+    }
     let of_cells = on_cells(stored, record, view.scalar);
     add(view.scalar.noun(), &in_unit(view.scalar.label(), unit), &of_cells, view.colours())?;
     if let Some(values) = indicators(record) {
         add("estimate", "log10 of the indicator over the largest", &values, Colours::Automatic)?;
     }
+    pictures.extend(spread(stored, record)?.map(|picture| ("spread".to_owned(), picture)));
     pictures.extend(steps(title, record)?.map(|picture| ("steps".to_owned(), picture)));
     if let Some(mesh) = &record.coarse {
         pictures.extend(bases(title, body, mesh)?.map(|picture| ("basis".to_owned(), picture)));
         pictures.extend(deformed_basis(title, body, mesh)?.map(|picture| ("basis-deformed".to_owned(), picture)));
     }
     Ok(pictures)
+}
+
+/// Mean and standard deviation of modulus and stresses over all outcomes of random input, cell by cell; none without them.
+fn spread(stored: &Record, record: &GridRecord) -> Result<Option<Picture>, PictureError> {
+    let grid = &record.body.grid;
+    let on_cells = |name: &str, components: usize, k: usize| -> Option<Vec<f64>> {
+        let values = of_quads(&stored.grid, name, components)?;
+        let mut all = vec![f64::NAN; grid.cells[0] * grid.cells[1]];
+        grid.body_cells().zip(values.chunks_exact(components)).for_each(|(cell, v)| all[cell] = v[k]);
+        Some(all)
+    };
+    let unit = stored.summary.units.stress.as_deref();
+    let mut panels: Vec<(String, Vec<f64>)> = Vec::new();
+    let shown =
+        [("young", 1, 0, "Young's modulus"), ("stress", 3, 0, "σxx"), ("stress", 3, 1, "σyy"), ("stress", 3, 2, "σxy")];
+    for (name, components, k, word) in shown {
+        for (of, told) in [("mean", "mean of"), ("deviation", "deviation of")] {
+            let Some(values) = on_cells(&format!("{of}_{name}"), components, k) else { return Ok(None) };
+            panels.push((in_unit(&format!("{told} {word}"), unit), values));
+        }
+    }
+    let field = |k: usize| CellField {
+        caption: "",
+        label: &panels[k].0,
+        length: stored.summary.units.length.as_deref(),
+        origin: grid.origin,
+        spacing: grid.spacing,
+        cells: grid.cells,
+        values: &panels[k].1,
+        colours: Colours::Automatic,
+        coarse: &[],
+    };
+    let fields: Vec<CellField<'_>> = (0..panels.len()).map(field).collect();
+    cell_fields(&format!("{}: mean and deviation", stored.summary.title), &fields, false).map(Some)
 }
 
 /// Lower left and upper right corners of the coarse cells.

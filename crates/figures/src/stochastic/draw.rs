@@ -135,7 +135,7 @@ fn levels(result: &StochasticResult) -> Vec<Panel> {
     let outcomes = Shape::Curve(over(&|level| level.outcomes as f64), 0);
     let panel = |y: &str, layers| Panel { x: x.clone(), y: y.to_owned(), ends: Ends::Log, layers };
     vec![
-        panel("variance of the difference", varying.enumerate().take(MOST_CURVES).map(variance).collect()),
+        panel("part of the variance", varying.enumerate().take(MOST_CURVES).map(variance).collect()),
         panel("outcomes", vec![Layer { name: "outcomes of each level".to_owned(), shape: outcomes }]),
     ]
 }
