@@ -99,9 +99,11 @@ fn table(
         (Some(uniform), None) => {
             beside("dataset", "file")?;
             beside("order", "file")?;
-            let [low, high] = uniform.pair("the lowest and the highest one")?;
+            let is_ratio = std::ptr::eq(entries, &raw const keys::RATIOS);
+            let what = if is_ratio { "the lowest and the highest ratio" } else { "the lowest and the highest modulus" };
+            let [low, high] = uniform.pair(what)?;
             let (low, high) = (low.number()?, high.number()?);
-            let (fits, help) = match std::ptr::eq(entries, &raw const keys::RATIOS) {
+            let (fits, help) = match is_ratio {
                 true => (low > -1.0 && high < 0.5, "both must be above -1 and below 0.5, the lower one first"),
                 false => (low > 0.0 && high.is_finite(), "both must be positive moduli, the lower one first"),
             };

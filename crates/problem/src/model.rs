@@ -11,10 +11,12 @@ use super::{
 impl Scene {
     /// The model that is used, never [`Model::Auto`]: boundary elements unless the material or the body force differs from
     /// place to place; then multiscale finite elements, or finite elements where a coarse cell is one fine cell; with boundary
-    /// elements around them where there is a medium. Cells that differ in Poisson's ratio are finite elements.
+    /// elements around them where there is a medium. Cells that differ in Poisson's ratio, and families of
+    /// grids, are finite elements.
     pub fn model(&self) -> Model {
         let several_ratios = self.body().cells().is_some_and(|cells| cells.poisson.is_some());
-        let one_fine_cell = several_ratios || self.body().grid.is_some_and(|grid| grid.fine == [1, 1]);
+        let levels = self.random.as_ref().is_some_and(|random| random.stochastic.method == Sampling::Multilevel);
+        let one_fine_cell = several_ratios || levels || self.body().grid.is_some_and(|grid| grid.fine == [1, 1]);
         match (self.method.model, self.problem.medium().is_some()) {
             (Model::Auto, _) if !self.varies() => Model::Bem,
             (Model::Auto, false) if one_fine_cell => Model::Fem,

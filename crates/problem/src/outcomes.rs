@@ -23,13 +23,17 @@ impl Scene {
         let nominal = random.nominal();
         let on_grid = self.uses(random).young && self.body().cells().is_some();
         let grid = on_grid.then(|| grid_of(self)).transpose()?;
+        let named = |germs: &[f64], error: DataError| DataError {
+            message: format!("for {}: {}", random.outcome_name(germs), error.message),
+            ..error
+        };
         let check = |germs: &[f64]| {
             let outcome = self.outcome(germs)?;
             if let Some(grid) = &grid {
-                moduli(&outcome, grid)?;
-                poisson_ratios(&outcome, grid)?;
+                moduli(&outcome, grid).map_err(|e| named(germs, e))?;
+                poisson_ratios(&outcome, grid).map_err(|e| named(germs, e))?;
             }
-            outcome.check_data()
+            outcome.check_data().map_err(|e| named(germs, e))
         };
         let ends: Vec<[f64; 2]> = random.germs.iter().map(|g| ends(&g.variable, &random.stochastic)).collect();
         for d in 0..ends.len().min(SINGLE) {

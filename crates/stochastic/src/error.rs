@@ -85,7 +85,8 @@ pub enum StochasticError {
     },
     /// A covariance that is no product, on a body of cells that is no rectangle.
     #[error(
-        "the covariance {kernel:?} is no product of functions of x and y, which cells of a body that is no rectangle need: take exponential or gaussian"
+        "the covariance {} is no product of functions of x and y, which cells of a body that is no rectangle need: take exponential or gaussian",
+        format!("{kernel:?}").to_lowercase()
     )]
     NoProduct {
         /// Its family.

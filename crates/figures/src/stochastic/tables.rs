@@ -160,8 +160,14 @@ pub fn shortfall(result: &StochasticResult) -> Option<String> {
         End::Solved | End::Tolerance => return None,
     };
     if !result.levels.is_empty() {
-        let told = "standard errors are above stochastic.tolerance times the deviations";
-        return Some(format!("stochastic tolerance NOT REACHED: {told}: {help}"));
+        let told = match result.end {
+            End::Rounds => {
+                "outcomes that no sample has seen may move means by more than their standard errors: lower it"
+                    .to_owned()
+            }
+            _ => format!("standard errors are above stochastic.tolerance times the deviations: {help}"),
+        };
+        return Some(format!("stochastic tolerance NOT REACHED: {told}"));
     }
     let truncation = result.truncation.unwrap_or(f64::NAN);
     Some(format!("stochastic tolerance NOT REACHED: truncation {truncation:.1e} after {}: {help}", result.end.word()))

@@ -287,6 +287,10 @@ fn beside_coarsest(
     let one_by_one = OneByOne { numbers: levels.numbers, data: &data, answer: &answer, block: 1 };
     beside_samples(&mut coarsest, &one_by_one, levels.random, watch)?;
     (result.checks, result.unseen) = (coarsest.checks, coarsest.unseen);
+    // errors that outcomes of other contact or data may have are not in the standard errors
+    if result.unseen.is_some() && result.end == End::Tolerance {
+        result.end = End::Rounds;
+    }
     for (own, all) in coarsest.quantities.iter().zip(&mut result.quantities) {
         all.truncation = own.truncation;
     }
