@@ -131,7 +131,7 @@ fn levels_add_up_to_the_finest_grid() {
     let product = |(i, j): (usize, usize)| rise(i) * rise(j) * (square_of * v[column(i)][column(j)]).exp_m1();
     let variance: f64 = pairs.map(product).sum();
     let repetitions = 12;
-    let mut scatter = 0.0;
+    let (mut scatter, mut of_variance) = (0.0, 0.0);
     for seed in 0..repetitions {
         let result = outcomes(&square(n, sigma, cells, seed));
         let tip = quantity(&result, "probe.0.displacement.x");
@@ -141,8 +141,11 @@ fn levels_add_up_to_the_finest_grid() {
         assert_eq!(result.levels.last().map(|l| l.cells), Some([n; 2]));
         assert!(result.levels.len() > 1 && (result.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9);
         scatter += ((tip.mean - exact) / error).powi(2) / repetitions as f64;
+        let error = tip.variance_error.expect("of samples");
+        of_variance += ((tip.variance - variance) / error).powi(2) / repetitions as f64;
     }
-    println!("scatter {:.2} standard errors", scatter.sqrt());
+    println!("scatter {:.2} standard errors, of the variance {:.2}", scatter.sqrt(), of_variance.sqrt());
+    assert!((0.35..1.8).contains(&of_variance.sqrt()), "{of_variance}");
     // chi-square with 12 degrees of freedom: 1e-4 on either side
     assert!((0.35..1.8).contains(&scatter.sqrt()), "{scatter}");
 }

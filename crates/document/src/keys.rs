@@ -379,19 +379,25 @@ pub(super) static RATIOS: Table = table(
     &[
         key("uniform", List(&Form::Number(RATIO), Some(2)), "", "The lowest and the highest ratio.")
             .without("required without `file`"),
-        key("seed", Form::Whole(NATURAL), "", "Seed of the random numbers of `uniform`.").or(|| "0".to_owned()),
-        key("file", Text, "", "An HDF5 file, by its path from the folder of the scene.")
-            .without("required without `uniform`"),
-        key("dataset", Text, "", "Name of the array in the file.").without("required with `file`"),
-        key(
-            "order",
-            Words(&words(&ORDERS)),
-            "",
-            "How the array lies: first index along x and second along y upwards, or rows from the top.",
-        )
-        .without("what the attribute `axes` of the array says, else xy"),
+        CELL_SEED,
+        CELL_FILE,
+        CELL_DATASET,
+        CELL_ORDER,
     ],
 );
+
+const CELL_SEED: Key =
+    key("seed", Form::Whole(NATURAL), "", "Seed of the random numbers of `uniform`.").or(|| "0".to_owned());
+const CELL_FILE: Key = key("file", Text, "", "An HDF5 file, by its path from the folder of the scene.")
+    .without("required without `uniform`");
+const CELL_DATASET: Key = key("dataset", Text, "", "Name of the array in the file.").without("required with `file`");
+const CELL_ORDER: Key = key(
+    "order",
+    Words(&words(&ORDERS)),
+    "",
+    "How the array lies: first index along x and second along y upwards, or rows from the top.",
+)
+.without("what the attribute `axes` of the array says, else xy");
 
 pub(super) static MODULI: Table = table(
     "material.cells.young",
@@ -399,17 +405,10 @@ pub(super) static MODULI: Table = table(
     &[
         key("uniform", List(&Form::Number(POSITIVE), Some(2)), "stress", "The lowest and the highest modulus.")
             .without("required without `file`"),
-        key("seed", Form::Whole(NATURAL), "", "Seed of the random numbers of `uniform`.").or(|| "0".to_owned()),
-        key("file", Text, "", "An HDF5 file, by its path from the folder of the scene.")
-            .without("required without `uniform`"),
-        key("dataset", Text, "", "Name of the array in the file.").without("required with `file`"),
-        key(
-            "order",
-            Words(&words(&ORDERS)),
-            "",
-            "How the array lies: first index along x and second along y upwards, or rows from the top.",
-        )
-        .without("what the attribute `axes` of the array says, else xy"),
+        CELL_SEED,
+        CELL_FILE,
+        CELL_DATASET,
+        CELL_ORDER,
     ],
 );
 

@@ -126,6 +126,9 @@ fn save_quantity(at: &Group, q: &Quantity) -> Result<(), IoError> {
     if let Some(error) = q.standard_error {
         save_number(at, "standard_error", error, "of the quantity", "standard error of the mean")?;
     }
+    if let Some(error) = q.variance_error {
+        save_number(at, "variance_error", error, "of the quantity, squared", "standard error of the variance")?;
+    }
     if let Some(truncation) = q.truncation {
         save_number(at, "truncation", truncation, "of the quantity", "what polynomials leave out, root mean square")?;
     }
@@ -324,6 +327,7 @@ fn load_quantity(at: &Group, name: String) -> Result<Quantity, IoError> {
     Ok(Quantity {
         values: load_vector(at, "values")?,
         standard_error: at.link_exists("standard_error").then(|| load_number(at, "standard_error")).transpose()?,
+        variance_error: at.link_exists("variance_error").then(|| load_number(at, "variance_error")).transpose()?,
         truncation: at.link_exists("truncation").then(|| load_number(at, "truncation")).transpose()?,
         quantiles: optional("quantiles")?,
         bounds_left: match optional("bounds_left")?.as_deref() {

@@ -239,7 +239,8 @@ fn of_outcomes(paths: &[String], quantiles: usize) -> Value {
     } });
     for path in paths {
         all[path] = json!({
-            "mean": 0.0, "variance": 0.0, "quantiles": vec![0.0; quantiles], "standard_error": 0.0, "truncation": 0.0,
+            "mean": 0.0, "variance": 0.0, "quantiles": vec![0.0; quantiles], "standard_error": 0.0, "variance_error": 0.0,
+            "truncation": 0.0,
         });
     }
     all

@@ -14,6 +14,9 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         if let Some(error) = q.standard_error {
             one["standard_error"] = error.into();
         }
+        if let Some(error) = q.variance_error {
+            one["variance_error"] = error.into();
+        }
         if let Some(truncation) = q.truncation {
             one["truncation"] = truncation.into();
         }

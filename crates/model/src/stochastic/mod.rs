@@ -2,8 +2,10 @@
 //!
 //! ```text
 //! Body, germs ─► Outcomes: what acts, E/E₀ ─► Answer of each point: node by node, or coupled over the nodes of a cell
-//! points: StochasticMesh (Galerkin, collocation; refined until its truncation is small), sparse grid, samples
-//! answers ─► StochasticResult: moments, quantiles, probability of contact, effect of each germ
+//! grid, germs ─► OutcomesOnGrid: a body of its own for each outcome ─► Answer of each point, one by one
+//! points: StochasticMesh (Galerkin, collocation; refined until its truncation is small), sparse grid, samples,
+//!         samples of differences between the grids of a family (multilevel)
+//! answers ─► StochasticResult: moments, quantiles, probability of contact, effect of each germ, levels
 //! ```
 
 pub(crate) mod number;

@@ -137,6 +137,16 @@ impl Levels<'_> {
         all
     }
 
+    /// Standard error of the variance of a quantity of this mean: that of the differences of its squared deviations.
+    fn variance_error(&self, quantity: usize, mean: f64) -> f64 {
+        let of_level = |drawn: &Drawn| {
+            let squared = |answer: &Answer| (answer.quantities[quantity] - mean).powi(2);
+            let difference = |i: usize| squared(&drawn.fine[i]) - drawn.coarse.get(i).map_or(0.0, squared);
+            spread(drawn.fine.len(), &difference) / drawn.fine.len() as f64
+        };
+        self.drawn[self.start..].iter().map(of_level).sum::<f64>().sqrt()
+    }
+
     /// Costs of an outcome of each level from a start on.
     fn costs(&self, start: usize) -> Vec<f64> {
         let own = |l: usize| self.family[l].cost;
@@ -212,8 +222,9 @@ pub(super) fn of_levels(
     let family = family(scene, random, layout)?;
     let drawn = family.iter().map(|_| Drawn::default()).collect();
     let mut levels = Levels { random, variables, numbers, family, drawn, start: 0 };
+    let most = (settings.max_nodes / levels.family.len()).max(2);
     for level in 0..levels.family.len() {
-        levels.draw(level, (PILOT >> level).max(FEWEST), 2 * PILOT, watch)?;
+        levels.draw(level, (PILOT >> level).max(FEWEST).min(most), 2 * PILOT, watch)?;
     }
     levels.start = levels.best_start();
     for drawn in &mut levels.drawn[levels.start..=levels.start] {
@@ -253,6 +264,7 @@ fn gathered(levels: &Levels<'_>, end: End, scene: &Scene, watch: &Watch<'_>) -> 
     for (k, quantity) in result.quantities.iter_mut().enumerate() {
         let of_level = |l: usize| levels.variances(l, k)[usize::from(l > levels.start)] / count(l) as f64;
         quantity.standard_error = Some((levels.start..levels.family.len()).map(of_level).sum::<f64>().sqrt());
+        quantity.variance_error = Some(levels.variance_error(k, quantity.mean));
     }
     result.levels = (levels.start..levels.family.len())
         .map(|l| Level {

@@ -37,6 +37,8 @@ pub struct Quantity {
     pub variance: f64,
     /// Standard error of the mean; Monte Carlo, plain or multilevel.
     pub standard_error: Option<f64>,
+    /// Standard error of the variance; as above.
+    pub variance_error: Option<f64>,
     /// Root mean square of the truncation error of polynomials, which is more than the error of the mean. For samples
     /// the largest change of the mean by outcomes that they have not seen.
     pub truncation: Option<f64>,
@@ -247,6 +249,7 @@ pub(super) fn of_grid(
             mean,
             variance: if negative { f64::NAN } else { both.variance[0] },
             standard_error: None,
+            variance_error: None,
             truncation: None,
             quantiles: None,
             bounds_left: None,

@@ -81,6 +81,7 @@ pub(super) fn of_samples(
             mean: both.mean[k],
             variance: both.variance[k],
             standard_error: Some(errors.mean[k]),
+            variance_error: Some(errors.variance[k]),
             truncation: None,
             bounds_left: None,
             quantiles: Some(quantiles(&values, &equal, &settings.quantiles)?),
