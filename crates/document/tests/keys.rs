@@ -10,7 +10,7 @@ use steklov_document::steklov_problem::{DataErrorKind, Scene};
 use steklov_document::{SceneError, SceneErrorKind, TEMPLATE, parse, reference, schema};
 
 /// Scenes with the keys that no scene of the gallery has.
-const MORE: [&str; 7] = [
+const MORE: [&str; 8] = [
     r#"
     title = "Ellipse with holes"
     units = { length = "mm", stress = "MPa" }
@@ -172,6 +172,19 @@ const MORE: [&str; 7] = [
     bottom.displacement = [0, 0]
     top.pressure = 1
     "#,
+    r#"
+    [body]
+    corners = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    sides = ["bottom", "right", "top", "left"]
+    [material]
+    cells = { size = 0.5, young = 1, poisson = { uniform = [0.1, 0.2] } }
+    [grid]
+    coarse = [1, 1]
+    fine = [2, 2]
+    [sides]
+    bottom.displacement = [0, 0]
+    top.pressure = 1
+    "#,
 ];
 
 fn folder(name: &str) -> PathBuf {
@@ -186,22 +199,28 @@ fn scenes() -> Vec<(String, String)> {
     files.sort();
     scenes.extend(files.iter().map(|path| (path.display().to_string(), std::fs::read_to_string(path).unwrap())));
     scenes.extend(MORE.iter().enumerate().map(|(k, text)| (format!("scene {k} of the test"), (*text).to_owned())));
-    scenes.push(of_a_file());
+    scenes.extend(of_a_file());
     scenes
 }
 
-/// A scene whose moduli are in a file.
-fn of_a_file() -> (String, String) {
+/// Scenes whose moduli, or Poisson's ratios, are in a file, and one of seeded ratios.
+fn of_a_file() -> [(String, String); 3] {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let label = steklov_io::label("stress", "Young's modulus", &["row", "column"]);
     let young = faer::Mat::from_fn(2, 2, |i, j| 1.0 + (2 * i + j) as f64);
     steklov_io::create_atomically(folder.join("young.h5"), true, |file| {
-        steklov_io::save_dense(file, "young", young.as_ref(), &label)
+        steklov_io::save_dense(file, "young", young.as_ref(), &label)?;
+        let ratios = faer::Mat::from_fn(2, 2, |i, j| 0.1 * (2 * i + j) as f64);
+        steklov_io::save_dense(file, "ratios", ratios.as_ref(), &label)
     })
     .unwrap();
-    let cells = "young = { file = \"young.h5\", dataset = \"young\", order = \"rows\" }";
-    let text = MORE[6].replace("young = { uniform = [1, 2] }", cells);
-    (folder.join("scene.toml").display().to_string(), text)
+    let of = |name: &str| format!("{{ file = \"young.h5\", dataset = \"{name}\", order = \"rows\" }}");
+    let texts = [
+        MORE[6].replace("{ uniform = [1, 2] }", &of("young")),
+        MORE[7].replace("{ uniform = [0.1, 0.2] }", &of("ratios")),
+        MORE[7].replace("[0.1, 0.2] }", "[0.1, 0.2], seed = 2 }"),
+    ];
+    texts.map(|text| (folder.join("scene.toml").display().to_string(), text))
 }
 
 fn json_of(text: &str) -> Value {
