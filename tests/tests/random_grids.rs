@@ -191,6 +191,33 @@ fn grids_are_halved_as_far_as_they_go() {
     assert!((energy.variance.sqrt() / energy.mean - 0.373).abs() < 0.01, "{} {}", energy.mean, energy.variance);
 }
 
+/// Reactions that the supports cannot have are rounding, whose spread is no reason for a doubt nor for more outcomes.
+#[test]
+fn quantities_of_rounding_change_nothing() {
+    let text = "title = \"plate\"\n[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\n\
+                sides = [\"bottom\", \"right\", \"top\", \"left\"]\n[material]\npoisson = 0.3\n[material.cells]\nsize = 0.125\n\
+                young = \"1000*exp(0.3*g)\"\n[random.g]\ncovariance = \"exponential\"\ncorrelation = 0.5\non = \"body\"\n\
+                modes = 6\nvariables = \"normal\"\n[sides.left]\ndisplacement = [0, 0]\n[sides.right]\ntraction = [0, -1]\n\
+                [grid]\ncoarse = [16, 8]\nfine = [1, 1]\n[probe]\npoints = [[2, 0.5]]\n[method]\nmodel = \"fem\"\n\
+                refine = \"none\"\n[stochastic]\ntolerance = 0.05\nmax_nodes = 100000\n";
+    for method in [Sampling::Sparse, Sampling::Multilevel] {
+        let with = |quantities: &[&str]| {
+            let mut scene = read(text);
+            let stochastic = &mut scene.random.as_mut().expect("random input").stochastic;
+            stochastic.method = method;
+            stochastic.quantities = Some(quantities.iter().map(|&path| path.to_owned()).collect());
+            outcomes(&scene)
+        };
+        let tip = "probe.0.displacement.y";
+        let (alone, both) = (with(&[tip]), with(&["reactions.left.x", "reactions.left.y", tip]));
+        let zero = quantity(&both, "reactions.left.x");
+        assert!(zero.mean.abs() < 1e-10 && zero.values.iter().any(|v| *v != 0.0), "{}", zero.mean);
+        assert!(!both.is_doubtful() && zero.variance.sqrt() < 1e-10, "{method:?}: {}", zero.variance);
+        assert_eq!(both.points.len(), alone.points.len(), "{method:?}");
+        assert_eq!(quantity(&both, tip).mean, quantity(&alone, tip).mean);
+    }
+}
+
 /// On a body that is no rectangle the moduli are lognormal with the variance of the modes in each cell.
 #[test]
 fn moduli_of_an_l_shape_are_lognormal() {

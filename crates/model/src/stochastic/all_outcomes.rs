@@ -13,7 +13,7 @@ use super::of_surrogate::of_surrogate;
 use super::one_by_one::OneByOne;
 use super::outcomes::Outcomes;
 use super::result::{BLOCK, FieldModes, StochasticResult, Watch};
-use super::spread::{judge, of_one_scale};
+use super::spread::{is_missed, judge, of_one_scale};
 use super::stage::OutcomeStage;
 use crate::error::SolveError;
 use crate::estimate::error_estimate::has_residuals;
@@ -75,12 +75,23 @@ pub(super) fn scales(scene: &Scene, numbers: &[Number], nominal: &Summary) -> Re
         return Err(scene.quantity_error(&number.path).into());
     }
     let size = |path: &String| Number::new(path).map_or(f64::NAN, |number| number.of(nominal).abs());
-    Ok(numbers.iter().map(|number| of_one_scale(&number.path).iter().map(size).fold(0.0, f64::max)).collect())
+    let forces = nominal.reactions.values().chain(nominal.contact.as_ref().map(|contact| &contact.force)).flatten();
+    let force = forces.fold(0.0, |most: f64, force| most.max(force.abs()));
+    let scale = |number: &Number| {
+        let own = of_one_scale(&number.path).iter().map(size).fold(0.0, f64::max);
+        // a side may carry nothing
+        let is_force = ["reactions.", "contact.force."].iter().any(|start| number.path.starts_with(start));
+        if is_force { own.max(force) } else { own }
+    };
+    Ok(numbers.iter().map(scale).collect())
 }
 
 /// Judges the quantities by their scales, and adds what the scene gives.
 pub(super) fn finish(scene: &Scene, random: &Random, result: &mut StochasticResult, scales: &[f64]) {
     result.quantities.iter_mut().zip(scales).for_each(|(quantity, scale)| judge(scene, quantity, *scale));
+    if random.stochastic.method == Sampling::Sparse {
+        result.overlooked |= result.quantities.iter().zip(scales).any(|(quantity, scale)| is_missed(quantity, *scale));
+    }
     result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
     result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
     result.probabilities = random.stochastic.quantiles.clone();

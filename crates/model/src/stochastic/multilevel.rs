@@ -12,6 +12,7 @@ use super::on_grid::{OutcomesOnGrid, numbers_of};
 use super::one_by_one::OneByOne;
 use super::outcomes::Answer;
 use super::result::{End, Level, StochasticResult, Watch, of_grid};
+use super::spread::is_rounding;
 use super::unseen::beside_samples;
 use crate::error::SolveError;
 use crate::grid::GridLayout;
@@ -28,8 +29,6 @@ const COARSEST: usize = 2;
 const FALL: f64 = 1.0 / 32.0;
 /// Factor by which the outcomes of a level grow at most before the variances are looked at again.
 const GROWTH: usize = 4;
-/// Spread of a quantity that is rounding, as a part of its mean.
-const ROUNDING: f64 = 1e-9;
 /// A solution costs 1 + n/A + n^(3/2)/B of its least cost on n cells: the ratios are those of measured seconds.
 const LINEAR: f64 = 55.0;
 const FILL: f64 = 6000.0;
@@ -81,6 +80,8 @@ struct Levels<'a> {
     random: &'a Random,
     variables: Vec<Variable>,
     numbers: &'a [Number],
+    /// The largest nominal value of those of one scale with each number.
+    scales: &'a [f64],
     family: Vec<Grid<'a>>,
     drawn: Vec<Drawn>,
     /// The coarsest level in use.
@@ -167,7 +168,8 @@ impl Levels<'_> {
         let mean = |k: usize| self.drawn[self.start].fine.iter().map(|a| a.quantities[k]).sum::<f64>();
         let count = self.drawn[self.start].fine.len() as f64;
         let all = (0..self.numbers.len()).map(|k| (k, total(k)));
-        all.filter(|(k, variance)| variance.sqrt() > ROUNDING * (mean(*k) / count).abs()).collect()
+        all.filter(|(k, variance)| !is_rounding(variance.sqrt(), self.scales[*k].max((mean(*k) / count).abs())))
+            .collect()
     }
 
     /// The start with which the tolerance costs least.
@@ -214,14 +216,14 @@ fn spread(count: usize, value: &dyn Fn(usize) -> f64) -> f64 {
 pub(super) fn of_levels(
     (scene, layout): (&Scene, &GridLayout),
     random: &Random,
-    numbers: &[Number],
+    (numbers, scales): (&[Number], &[f64]),
     watch: &Watch<'_>,
 ) -> Result<StochasticResult, SolveError> {
     let settings = &random.stochastic;
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
     let family = family(scene, random, layout)?;
     let drawn = family.iter().map(|_| Drawn::default()).collect();
-    let mut levels = Levels { random, variables, numbers, family, drawn, start: 0 };
+    let mut levels = Levels { random, variables, numbers, scales, family, drawn, start: 0 };
     let most = (settings.max_nodes / levels.family.len()).max(2);
     for level in 0..levels.family.len() {
         levels.draw(level, (PILOT >> level).max(FEWEST).min(most), 2 * PILOT, watch)?;

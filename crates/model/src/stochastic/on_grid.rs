@@ -45,7 +45,7 @@ pub fn solve_stochastic_on_grid(
     let (nominal, solved) = outcomes.solve(&random.nominal())?;
     let scales = scales(scene, &numbers, &summary(&nominal, &solved))?;
     let mut result = match random.stochastic.method {
-        Sampling::Multilevel => of_levels((scene, layout), random, &numbers, &watch)?,
+        Sampling::Multilevel => of_levels((scene, layout), random, (&numbers, &scales), &watch)?,
         _ => {
             let answer = |germs: &[f64], _: &mut Option<Solution>| {
                 outcomes.solve(germs).map(|(scene, solved)| kept(&scene, &solved, &numbers))

@@ -28,11 +28,28 @@ pub(super) fn of_one_scale(path: &str) -> Vec<String> {
     components.unwrap_or_else(|| vec![path.to_owned()])
 }
 
+/// Whether a spread is rounding; `scale`: the largest nominal value of those of one scale, or the mean if that is larger.
+pub(super) fn is_rounding(deviation: f64, scale: f64) -> bool {
+    deviation <= ROUNDED * scale
+}
+
+/// Whether polynomials miss more of a quantity than it varies by, so that they say nothing of its spread.
+pub(super) fn is_missed(quantity: &Quantity, scale: f64) -> bool {
+    let deviation = quantity.variance.max(0.0).sqrt();
+    quantity.truncation.is_some_and(|missed| missed > deviation && !is_rounding(missed, scale.max(quantity.mean.abs())))
+}
+
 /// Takes away quantiles, density and effects of a quantity whose spread is rounding, and says where its mean is out of its
 /// bounds; `scale`: the largest nominal value of those of one scale.
 pub(super) fn judge(scene: &Scene, quantity: &mut Quantity, scale: f64) {
     let scale = scale.max(quantity.mean.abs());
-    if quantity.variance.max(0.0).sqrt() <= ROUNDED * scale {
+    let values = quantity.values.iter();
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)]);
+    // weights of both signs make the variance of rounding negative, which says nothing
+    if quantity.variance.is_nan() && is_rounding(high - low, scale) {
+        quantity.variance = 0.0;
+    }
+    if is_rounding(quantity.variance.max(0.0).sqrt(), scale) {
         (quantity.quantiles, quantity.density, quantity.effects) = (None, None, None);
     }
     let [low, high] = bounds(scene, &quantity.name);

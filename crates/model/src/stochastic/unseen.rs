@@ -150,11 +150,7 @@ pub(super) fn beside_grid(
                 result.unseen = Some(result.unseen.map_or(*probability, |u| u.max(*probability)));
             }
         }
-        let truncation = SAFETY * most.sqrt();
-        // polynomials that miss as much as the quantity varies say nothing of it
-        let deviation = quantity.variance.max(0.0).sqrt();
-        result.overlooked |= truncation > deviation && truncation > OVERLOOKED * rounding.sqrt();
-        quantity.truncation = Some(truncation);
+        quantity.truncation = Some(SAFETY * most.sqrt());
     }
     if undecided > UNDECIDED {
         result.unseen = Some(result.unseen.map_or(undecided, |u| u.max(undecided)));
