@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         names: vec![RandomName::Variable { name: "E".to_owned(), germ: 0 }],
         germs: vec![Germ { label: "E".to_owned(), variable }],
         stochastic: Stochastic { degree: 8, quantities: Some(vec!["energy".to_owned()]), ..Stochastic::default() },
-        constants: RandomConstants { young: Some(young), remote_stress: None },
+        constants: RandomConstants { young: [(0, young)].into(), remote_stress: None },
     });
 
     let answer = solve(&scene)?;

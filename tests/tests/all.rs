@@ -30,6 +30,7 @@ mod on_springs;
 mod prescribed;
 mod probes;
 mod quantities;
+mod random_bodies;
 mod random_grids;
 mod random_scenes;
 mod references;

@@ -358,3 +358,37 @@ fn random_grids_that_cannot_be_solved_are_refused() {
     scene.random.as_mut().expect("random input").stochastic.method = Sampling::Galerkin;
     assert!(scene.check().is_err());
 }
+
+/// A bar of random cells by a sparse grid and fresh outcomes: over many seeds the root mean square error of the mean is the
+/// tolerance at most, the told standard error is that of the means, and the cost far below that of samples.
+#[test]
+fn corrected_means_scatter_by_their_standard_errors() {
+    const SEEDS: u64 = 40;
+    for (sigma, tolerance, most) in [(0.3, 0.01, 200), (0.8, 0.02, 1250)] {
+        let mut scene = bar(8, 0.5, sigma, 4, "fem", 8);
+        let v = covariance(&scene);
+        let exact: f64 = v.iter().enumerate().map(|(i, row)| (0.5 * sigma * sigma * row[i]).exp() / 8.0).sum();
+        let entry = |i: usize, j: usize| ((v[i][i] + v[j][j]) * 0.5 * sigma * sigma).exp() / 64.0;
+        let of = |i: usize| (0..8).map(|j| entry(i, j) * ((sigma * sigma * v[i][j]).exp() - 1.0)).sum::<f64>();
+        let deviation = (0..8).map(of).sum::<f64>().sqrt();
+        let (mut squares, mut told, mut variances) = (0.0, 0.0, 0.0);
+        for seed in 1..=SEEDS {
+            let settings = &mut scene.random.as_mut().expect("random input").stochastic;
+            (settings.method, settings.tolerance, settings.seed) = (Sampling::Corrected, tolerance, seed);
+            let result = outcomes(&scene);
+            let tip = quantity(&result, "probe.0.displacement.x");
+            let error = tip.standard_error.expect("an error");
+            squares += (tip.mean - exact).powi(2);
+            told += error.powi(2);
+            variances += tip.variance;
+            assert!(error <= tolerance * deviation && !result.is_doubtful(), "σ {sigma}, seed {seed}: {error}");
+            assert!(result.solved < most, "σ {sigma}, seed {seed}: {} outcomes", result.solved);
+        }
+        let [rms, told] = [squares, told].map(|sum| (sum / SEEDS as f64).sqrt());
+        println!("σ {sigma}: rms {} ε, told {} ε", rms / (tolerance * deviation), told / (tolerance * deviation));
+        assert!(rms < 1.2 * tolerance * deviation, "σ {sigma}: {rms} {deviation}");
+        assert!((0.7..1.4).contains(&(rms / told)), "σ {sigma}: {rms}, told {told}");
+        let variance = variances / SEEDS as f64;
+        assert!((variance / (deviation * deviation) - 1.0).abs() < 0.02, "σ {sigma}: {variance} {deviation}");
+    }
+}

@@ -344,3 +344,37 @@ fn the_spatial_estimate_is_the_mean_over_outcomes() {
     println!("true error of five outcomes {relative:.2e}, estimate of the mean {told:.2e}");
     assert!(told > 0.5 * relative && told < 2.0 * relative, "{told} {relative}");
 }
+
+/// E max(0, q - z) of a standard normal q: φ(z) - z (1 - Φ(z)).
+fn excess(z: f64) -> f64 {
+    let normal = Variable::normal(0.0, 1.0).unwrap_or_else(|e| panic!("{e}"));
+    let density = (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+    density - z * normal.probability([z, f64::INFINITY])
+}
+
+/// A floor that is touched in few of the outcomes, or in hardly any, by default settings: the force is k max(0, q - z), and the mesh
+/// is as good as for an outcome that touches, though the mean input does not.
+#[test]
+fn rare_contact_is_found_by_default_settings() {
+    let text = |height: &str, random: &str| {
+        format!(
+            "title = \"rare\"\n[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\n\
+             sides = [\"floor\", \"right\", \"top\", \"left\"]\n[material]\nyoung = 1000\npoisson = 0.3\n\
+             [sides.floor]\ncontact = {{ gap = \"0.001\" }}\n[sides.top]\ndisplacement = [\"0\", \"{height}\"]\n\
+             [method]\ntolerance = 1e-3\n{random}"
+        )
+    };
+    let random = "[random.q]\ndistribution = \"normal\"\nmean = 0\ndeviation = 1\n\
+                  [stochastic]\nquantities = [\"contact.force.y\"]\n";
+    let one = adapt(&parse(&text("-0.0015", ""))).unwrap_or_else(|e| panic!("{e}"));
+    let force = one.last.contact.as_ref().expect("contact").force(0)[1];
+    for z in [0.8416, 1.7507, 2.3263, 3.0902] {
+        let height = format!("-0.001*(1 + 0.5*(q - {z}))");
+        let (run, result) = solved(&parse(&text(&height, random)));
+        let mean = quantity(&result, "contact.force.y").mean;
+        assert!((mean / (force * excess(z)) - 1.0).abs() < 2e-3, "{z}: {mean}, {}", force * excess(z));
+        let relative = run.step().estimate().relative;
+        assert!(relative < 1e-3 && relative > 1e-5, "{z}: {relative}");
+        assert!(!result.is_doubtful() && result.solved < 100, "{z}: {} solves", result.solved);
+    }
+}

@@ -28,8 +28,10 @@ fn a_tolerance_that_is_missed_is_told() {
         let ran = place.run(["solve", "--force", "block.toml"]).demand(status);
         assert_eq!(ran.out.contains("stochastic tolerance NOT REACHED"), missed, "{}", ran.out);
     }
-    place.write("block.toml", block("0", load, ""));
-    assert_eq!(place.json(0, &["block.toml"])["stochastic"]["solution"]["reason"], "solved");
+    for (settings, reason) in [("", "tolerance"), ("method = \"auto\"\n", "tolerance"), ("degree = 3\n", "solved")] {
+        place.write("block.toml", block("0", load, settings));
+        assert_eq!(place.json(0, &["block.toml"])["stochastic"]["solution"]["reason"], reason);
+    }
 }
 
 #[test]

@@ -12,6 +12,8 @@
 //!
 //! Cost: Σ n_k³/3 + m³/3; 8 Σ n_k² + 8 m² bytes.
 
+use std::sync::Arc;
+
 use faer::Mat;
 
 use crate::condense::{Springs, add_springs};
@@ -52,11 +54,13 @@ pub fn relative_displacement<'a>(rows: impl IntoIterator<Item = &'a Relative>, d
 #[derive(Debug, Clone)]
 pub struct Assembly {
     /// Each body, and the number of its first node.
-    bodies: Vec<(usize, Condensation)>,
+    bodies: Vec<(usize, Arc<Condensation>)>,
+    /// The factor of S_k of each body.
+    moduli: Vec<f64>,
     skeleton: Option<Skeleton>,
     /// Where held values go, in the order in which they are given.
     held: Vec<Holder>,
-    /// Springs that hold the rotations of bodies which touch only along arcs about one centre.
+    /// Springs that hold the rotations of bodies which touch only along arcs about one centre, with the number of the body.
     springs: Vec<(usize, Springs)>,
 }
 
@@ -70,10 +74,36 @@ enum Holder {
 #[derive(Debug, Clone)]
 struct Skeleton {
     condensation: Condensation,
+    joined: Arc<Joined>,
+}
+
+/// The data from which a skeleton is condensed, whatever the moduli of the bodies.
+#[derive(Debug)]
+struct Joined {
     /// Its nodes, rising.
     nodes: Vec<usize>,
     /// The rows, numbered by the nodes of the skeleton, each before those of nodes that it faces.
     rows: Vec<Relative>,
+    /// The first unknown of each body that has nodes here, and its condensed S_k.
+    stiffness: Vec<Option<(usize, Mat<f64>)>>,
+    partition: Partition,
+    /// Motions that springs hold.
+    motions: Vec<Vec<f64>>,
+}
+
+impl Joined {
+    /// The skeleton of bodies whose S_k have these factors.
+    fn skeleton(self: Arc<Self>, moduli: &[f64]) -> Result<Skeleton, BemError> {
+        let size = 2 * self.nodes.len();
+        let mut stiffness = Mat::zeros(size, size);
+        for ((at, own), modulus) in self.stiffness.iter().zip(moduli).filter_map(|(own, m)| Some((own.as_ref()?, m))) {
+            let n = own.nrows();
+            let mut block = stiffness.as_mut().submatrix_mut(*at, *at, n, n);
+            (0..n).for_each(|j| (0..n).for_each(|i| block[(i, j)] = modulus * own[(i, j)]));
+        }
+        self.rows.iter().for_each(|row| substitute(&mut stiffness, row));
+        Ok(Skeleton { condensation: Condensation::new(stiffness, &self.partition, &self.motions)?, joined: self })
+    }
 }
 
 /// A load reduced to what is kept.
@@ -101,8 +131,8 @@ impl Assembly {
     ) -> Result<Self, BemError> {
         if matrices.len() == 1 && rows.is_empty() {
             let held = vec![Holder::Body(0); partition.held.len()];
-            let body = Condensation::new(matrices.remove(0), partition, motions)?;
-            return Ok(Self { bodies: vec![(0, body)], skeleton: None, held, springs: Vec::new() });
+            let body = Arc::new(Condensation::new(matrices.remove(0), partition, motions)?);
+            return Ok(Self { bodies: vec![(0, body)], moduli: vec![1.0], skeleton: None, held, springs: Vec::new() });
         }
         let mut nodes: Vec<usize> =
             rows.iter().flat_map(|row| row.faced.iter().map(|f| f.0).chain([row.node])).collect();
@@ -111,7 +141,7 @@ impl Assembly {
         nodes.dedup();
         let mut held = vec![Holder::Skeleton; partition.held.len()];
         let (mut bodies, mut first, mut springs) = (Vec::new(), 0, Vec::new());
-        let mut stiffness = Mat::zeros(2 * nodes.len(), 2 * nodes.len());
+        let mut stiffness = Vec::new();
         let mut alone: Vec<Vec<f64>> = Vec::new();
         for (k, mut matrix) in matrices.into_iter().enumerate() {
             let count = matrix.nrows() / 2;
@@ -135,15 +165,12 @@ impl Assembly {
             }
             let springs_alone = if of_skeleton.is_empty() { alone.as_slice() } else { &[] };
             for (_, rotation) in rotations.iter().filter(|(body, _)| *body == k) {
-                springs.push((first, add_springs(matrix.as_mut(), &[without_mean(rotation)])));
+                springs.push((k, add_springs(matrix.as_mut(), &[without_mean(rotation)])));
             }
             let body = Condensation::new(matrix, &of_body, springs_alone)?;
-            if let Some(node) = of_skeleton.first() {
-                let at = 2 * nodes.binary_search(node).unwrap_or(0);
-                let n = 2 * of_skeleton.len();
-                stiffness.as_mut().submatrix_mut(at, at, n, n).copy_from(&body.stiffness()?);
-            }
-            bodies.push((first, body));
+            let at = of_skeleton.first().and_then(|node| nodes.binary_search(node).ok());
+            stiffness.push(at.map(|at| Ok::<_, BemError>((2 * at, body.stiffness()?))).transpose()?);
+            bodies.push((first, Arc::new(body)));
             first += count;
         }
         let number = |node: usize| nodes.binary_search(&node).expect("a node of the skeleton");
@@ -153,7 +180,6 @@ impl Assembly {
             faced: row.faced.iter().map(|&(node, c)| (number(node), c)).collect(),
         };
         let rows: Vec<Relative> = order_of_rows(rows)?.into_iter().map(|k| numbered(&rows[k])).collect();
-        rows.iter().for_each(|row| substitute(&mut stiffness, row));
         let of_skeleton = Partition {
             kept: partition.kept.iter().map(|dof| 2 * number(dof / 2) + dof % 2).collect(),
             held: held
@@ -169,8 +195,26 @@ impl Assembly {
             relative_displacement(&rows, &u)
         });
         let motions: Vec<Vec<f64>> = motions.filter(|motion| motion.iter().any(|v| *v != 0.0)).collect();
-        let condensation = Condensation::new(stiffness, &of_skeleton, &motions)?;
-        Ok(Self { bodies, skeleton: Some(Skeleton { condensation, nodes, rows }), held, springs })
+        let moduli = vec![1.0; bodies.len()];
+        let skeleton =
+            Arc::new(Joined { nodes, rows, stiffness, partition: of_skeleton, motions }).skeleton(&moduli)?;
+        Ok(Self { bodies, moduli, skeleton: Some(skeleton), held, springs })
+    }
+
+    /// The same bodies, each S_k of those that were joined times a factor: other Young's moduli.
+    ///
+    /// Cost: m³/3 of the skeleton; no body is condensed again.
+    ///
+    /// # Errors
+    /// [`BemError::StiffnessSingular`], [`BemError::Fault`].
+    ///
+    /// # Panics
+    /// When there are fewer or more factors than bodies.
+    pub fn with_moduli(&self, moduli: &[f64]) -> Result<Self, BemError> {
+        assert_eq!(moduli.len(), self.bodies.len(), "factors of bodies");
+        let skeleton = self.skeleton.as_ref().map(|skeleton| skeleton.joined.clone().skeleton(moduli)).transpose()?;
+        let (bodies, held, springs) = (self.bodies.clone(), self.held.clone(), self.springs.clone());
+        Ok(Self { bodies, moduli: moduli.to_vec(), skeleton, held, springs })
     }
 
     /// S_c of the kept unknowns, full storage.
@@ -179,7 +223,7 @@ impl Assembly {
     /// [`BemError::Fault`].
     pub fn stiffness(&self) -> Result<Mat<f64>, BemError> {
         match &self.skeleton {
-            None => self.bodies[0].1.stiffness(),
+            None => Ok(self.bodies[0].1.stiffness()? * faer::Scale(self.moduli[0])),
             Some(skeleton) => skeleton.condensation.stiffness(),
         }
     }
@@ -193,15 +237,19 @@ impl Assembly {
         let values = |of: Holder| -> Vec<f64> {
             self.held.iter().zip(held).filter(|(holder, _)| **holder == of).map(|(_, value)| *value).collect()
         };
-        let part = |(k, (first, body)): (usize, &(usize, Condensation))| {
-            body.load_held(&load[2 * first..2 * first + body.size()], &values(Holder::Body(k)))
+        let part = |(k, (first, body)): (usize, &(usize, Arc<Condensation>))| {
+            let modulus = self.moduli[k];
+            let load: Vec<f64> = load[2 * first..2 * first + body.size()].iter().map(|f| f / modulus).collect();
+            let mut condensed = body.load_held(&load, &values(Holder::Body(k)));
+            condensed.kept.iter_mut().for_each(|f| *f *= modulus);
+            condensed
         };
         let bodies: Vec<CondensedLoad> = self.bodies.iter().enumerate().map(part).collect();
         let Some(skeleton) = &self.skeleton else {
             return AssembledLoad { kept: bodies[0].kept.clone(), bodies, skeleton: None };
         };
         let mut f: Vec<f64> = bodies.iter().flat_map(|body| body.kept.iter().copied()).collect();
-        for row in &skeleton.rows {
+        for row in &skeleton.joined.rows {
             let along: f64 = (0..2).map(|i| row.direction[i] * f[2 * row.node + i]).sum();
             row.faced.iter().for_each(|&(j, c)| (0..2).for_each(|i| f[2 * j + i] += along * c[i]));
         }
@@ -221,12 +269,12 @@ impl Assembly {
             return self.bodies[0].1.expand(&load.bodies[0], kept);
         };
         let mut u = skeleton.condensation.expand(of_skeleton, kept);
-        for row in skeleton.rows.iter().rev() {
+        for row in skeleton.joined.rows.iter().rev() {
             let faced: f64 = row.faced.iter().map(|&(j, c)| c[0] * u[2 * j] + c[1] * u[2 * j + 1]).sum();
             (0..2).for_each(|i| u[2 * row.node + i] += faced * row.direction[i]);
         }
         let mut at = 0;
-        let part = |((_, body), load): (&(usize, Condensation), &CondensedLoad)| {
+        let part = |((_, body), load): (&(usize, Arc<Condensation>), &CondensedLoad)| {
             let own = at..at + load.kept.len();
             at = own.end;
             body.expand(load, &u[own])
@@ -236,19 +284,23 @@ impl Assembly {
 
     /// The nodes of interfaces; empty for a single body.
     pub fn interface_nodes(&self) -> &[usize] {
-        self.skeleton.as_ref().map_or(&[], |skeleton| &skeleton.nodes)
+        self.skeleton.as_ref().map_or(&[], |skeleton| &skeleton.joined.nodes)
     }
 
     /// Largest diagonal entry of all S_k.
     pub fn largest_diagonal(&self) -> f64 {
-        self.bodies.iter().fold(0.0, |m: f64, (_, body)| m.max(body.largest_diagonal()))
+        let own = self.bodies.iter().zip(&self.moduli).map(|((_, body), modulus)| modulus * body.largest_diagonal());
+        own.fold(0.0, f64::max)
     }
 
     /// S_k u of every body from a nodal displacement of all bodies (both interleaved x, y).
     pub fn multiply(&self, displacement: &[f64]) -> Vec<f64> {
-        let part =
-            |(first, body): &(usize, Condensation)| body.multiply(&displacement[2 * first..2 * first + body.size()]);
-        let mut forces: Vec<f64> = self.bodies.iter().flat_map(part).collect();
+        let part = |((first, body), modulus): (&(usize, Arc<Condensation>), &f64)| {
+            let mut forces = body.multiply(&displacement[2 * first..2 * first + body.size()]);
+            forces.iter_mut().for_each(|f| *f *= modulus);
+            forces
+        };
+        let mut forces: Vec<f64> = self.bodies.iter().zip(&self.moduli).flat_map(part).collect();
         if !self.springs.is_empty() {
             forces.iter_mut().zip(self.spring_forces(displacement)).for_each(|(f, spring)| *f += spring);
         }
@@ -258,9 +310,11 @@ impl Assembly {
     /// The nodal forces of the springs that hold rotations: couples, as large as the work of the rows on the rotations.
     pub fn spring_forces(&self, displacement: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; displacement.len()];
-        for (first, springs) in &self.springs {
+        for (k, springs) in &self.springs {
+            let (first, modulus) = (self.bodies[*k].0, self.moduli[*k]);
             let own = 2 * first..2 * first + springs.size();
-            forces[own.clone()].iter_mut().zip(springs.forces(&displacement[own])).for_each(|(f, spring)| *f += spring);
+            let of_body = springs.forces(&displacement[own.clone()]);
+            forces[own].iter_mut().zip(of_body).for_each(|(f, spring)| *f += modulus * spring);
         }
         forces
     }
@@ -312,5 +366,61 @@ fn substitute(stiffness: &mut Mat<f64>, Relative { node, direction, faced }: &Re
         for i in 0..2 {
             (0..size).for_each(|column| stiffness[(2 * j + i, column)] += c[i] * along[column]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A positive definite matrix.
+    fn matrix(nodes: usize, seed: f64, factor: f64) -> Mat<f64> {
+        let n = 2 * nodes;
+        let a = Mat::from_fn(n, n, |i, j| (seed + 12.9 * i as f64 + 78.2 * j as f64).sin());
+        (a.transpose() * &a + Mat::<f64>::identity(n, n)) * faer::Scale(factor)
+    }
+
+    /// Two bodies of 6 and 5 nodes; nodes 2, 3 of the first face nodes 6, 7 of the second, one in contact, one tied.
+    fn joined(factors: [f64; 2]) -> Assembly {
+        let row = |node: usize, direction: [f64; 2], faced: usize| Relative {
+            node,
+            direction,
+            faced: vec![(faced, direction.map(|d| 0.7 * d)), (faced + 1, direction.map(|d| 0.3 * d))],
+        };
+        let rows = [row(2, [1.0, 0.0], 6), row(3, [1.0, 0.0], 7), row(3, [0.0, 1.0], 7)];
+        let partition = Partition { kept: vec![4], held: vec![(0, 0.1), (6, 0.0), (7, 0.02)], frames: Vec::new() };
+        let matrices = vec![matrix(6, 1.0, factors[0]), matrix(5, 2.0, factors[1])];
+        Assembly::new(matrices, &partition, &rows, &[], &[]).expect("positive matrices")
+    }
+
+    /// With moduli an assembly is that of the matrices times them, and no body is condensed again.
+    #[test]
+    fn moduli_scale_the_matrices_of_bodies() {
+        let factors = [3.5, 0.02];
+        let (of_one, exact) = (joined([1.0; 2]), joined(factors));
+        let scaled = of_one.with_moduli(&factors).expect("positive matrices");
+        assert!(of_one.bodies.iter().zip(&scaled.bodies).all(|(a, b)| Arc::ptr_eq(&a.1, &b.1)));
+        let close = |a: &[f64], b: &[f64]| {
+            let size = b.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12 * size)
+        };
+        let load: Vec<f64> = (0..22).map(|k| (1.3 * f64::from(k)).sin()).collect();
+        let solve = |assembly: &Assembly| {
+            let reduced = assembly.load_held(&load, &[0.1, 0.0, 0.02]);
+            let stiffness = assembly.stiffness().expect("no fault");
+            let kept = [reduced.kept[0] / stiffness[(0, 0)]];
+            (stiffness[(0, 0)], reduced.kept.clone(), assembly.expand(&reduced, &kept))
+        };
+        let ((s, f, u), (s_exact, f_exact, u_exact)) = (solve(&scaled), solve(&exact));
+        assert!((s / s_exact - 1.0).abs() < 1e-12 && close(&f, &f_exact) && close(&u, &u_exact), "{s} {s_exact}");
+        assert!(close(&scaled.multiply(&u), &exact.multiply(&u)));
+        assert!((scaled.largest_diagonal() / exact.largest_diagonal() - 1.0).abs() < 1e-14);
+        // from other moduli as from those of 1
+        let again = scaled.with_moduli(&[1.0; 2]).expect("positive matrices");
+        assert!(close(&solve(&again).2, &solve(&of_one).2));
+        // the same equations hold with the moduli
+        let rest: Vec<f64> = scaled.multiply(&u).iter().zip(&load).map(|(s, f)| s - f).collect();
+        let free = [2, 3, 8, 9, 10, 11, 18, 19, 20, 21];
+        assert!(free.iter().all(|&dof| rest[dof].abs() < 1e-11), "{rest:?}");
     }
 }

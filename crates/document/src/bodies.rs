@@ -3,30 +3,71 @@
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Plane;
 use steklov_expression::{Expression, nearest};
-use steklov_problem::{About, Body, Contact, DataError, DataErrorKind, FarField, Law, Place, Problem, Substance, Tie};
+use steklov_problem::{
+    About, Body, Contact, DataError, DataErrorKind, Law, Place, Problem, RandomConstants, Substance, Tie,
+};
 
 use super::body::{body, body_force, force, material, medium};
 use super::cracks::Cracks;
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::exterior::far_field;
 use super::fields::{Context, Field, Fields};
-use super::keys;
-use super::sides;
 use super::tree::{Value, suggestion};
+use super::{Read, keys, random, sides};
 
 /// Whether `body` is a list of tables.
 pub(super) fn are_several(field: &Field<'_>) -> bool {
     matches!(&field.item.value, Value::Array(_))
 }
 
+/// The outline of a body and its tables.
+struct Outlined<'a> {
+    of_body: Fields<'a>,
+    name: &'a str,
+    /// Its pieces along cracks.
+    count: usize,
+}
+
+/// The outlines of several bodies, and their cracks.
+fn outlines<'a>(tables: &[Field<'a>], cracks: &mut Cracks) -> Result<(Vec<Outlined<'a>>, Polygon), ReadError> {
+    let (mut bodies, mut outlines): (Vec<Outlined<'a>>, Vec<Polygon>) = (Vec::new(), Vec::new());
+    for table in tables {
+        let of_body = Fields::new(table, &keys::BODIES)?;
+        let field = of_body.require("name", "name = \"upper\"")?;
+        let name = field.text()?;
+        if name.is_empty() || name.contains('.') {
+            return Err(field.problem(format!("{} is {name:?}", field.name), "a name has no dots and is not empty"));
+        }
+        if bodies.iter().any(|body| body.name == name) {
+            return Err(field.problem(format!("two bodies have the name {name:?}"), "give each body its own name"));
+        }
+        if let Some(field) = of_body.get("grid") {
+            let message = format!("{} cannot be solved among several bodies", field.name);
+            return Err(ReadError::new(DataErrorKind::Unsupported, field.item.place, message, "leave it out"));
+        }
+        let outline = match of_body.get("medium") {
+            Some(field_of_medium) => {
+                Fields::new(&field_of_medium, &keys::MEDIUM)?;
+                check_medium(&of_body, (name, &field), &bodies)?;
+                medium(&of_body)?
+            }
+            None => body(&of_body, false)?,
+        };
+        let outline = cracks.cut(&of_body, &format!("{name}."), outline.with_body_name(name))?;
+        bodies.push(Outlined { of_body, name, count: outline.bodies().len() });
+        outlines.push(outline);
+    }
+    Ok((bodies, Polygon::assembly(outlines)))
+}
+
 /// The problem of several bodies: `[[body]]`, `[sides.BODY.SIDE]`, `[[interface]]`.
-pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Problem, ReadError> {
+pub(super) fn problem(fields: &Fields<'_>, context: &mut Context<'_>) -> Result<Read, ReadError> {
     let list = fields.require("body", "[[body]] with name, corners and sides")?;
     let tables = list.list()?;
     if tables.is_empty() {
         return Err(list.problem("body lists no body", "write a table [[body]] with name, corners and sides for each"));
     }
-    for key in ["exterior", "grid", "random"] {
+    for key in ["exterior", "grid"] {
         if let Some(field) = fields.get(key) {
             let message = format!("{} and several bodies cannot be solved together", field.name);
             let help = match key {
@@ -36,41 +77,50 @@ pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Prob
             return Err(ReadError::new(DataErrorKind::Unsupported, field.item.place, message, help));
         }
     }
-    let forces = fields.get("body_force").map(|f| body_force(&f, context)).transpose()?;
-    let (mut bodies, mut outlines): (Vec<Body>, Vec<Polygon>) = (Vec::new(), Vec::new());
-    let (mut names, mut cracks): (Vec<&str>, Cracks) = (Vec::new(), Cracks::default());
-    for table in &tables {
-        let of_body = Fields::new(table, &keys::BODIES)?;
-        let field = of_body.require("name", "name = \"upper\"")?;
-        let name = field.text()?;
-        if name.is_empty() || name.contains('.') {
-            return Err(field.problem(format!("{} is {name:?}", field.name), "a name has no dots and is not empty"));
+    let mut cracks = Cracks::default();
+    let (outlined, outline) = outlines(&tables, &mut cracks)?;
+    let declared = match fields.get("random") {
+        Some(field) => random::random(&field, &outline, context)?,
+        None => Vec::new(),
+    };
+    context.used.take();
+    let context = &*context;
+    let mut constants = RandomConstants::default();
+    let mut bodies: Vec<Body> = Vec::new();
+    for (of, table) in outlined.iter().zip(&tables) {
+        let own = Body::new(of.name, Substance::Homogeneous(own_material(&of.of_body, fields, &declared, context)?));
+        let far = of.of_body.get("medium").map(|field| Fields::new(&field, &keys::MEDIUM)).transpose()?;
+        if let Some(medium) = &far {
+            constants.remote_stress = random::varying_stress(medium, &declared, context)?;
         }
-        if names.contains(&name) {
-            return Err(field.problem(format!("two bodies have the name {name:?}"), "give each body its own name"));
-        }
-        names.push(name);
-        if let Some(field) = of_body.get("grid") {
-            let message = format!("{} cannot be solved among several bodies", field.name);
-            return Err(ReadError::new(DataErrorKind::Unsupported, field.item.place, message, "leave it out"));
-        }
-        let far = far(&of_body, (name, &field), &bodies, context)?;
-        let own_force = of_body.get("body_force").map(|f| force(&f, context)).transpose()?;
-        let outline = if far.is_some() { medium(&of_body)? } else { body(&of_body, false)? };
-        let outline = cracks.cut(&of_body, &format!("{name}."), outline.with_body_name(name))?;
-        let force = own_force.or_else(|| forces.clone()).filter(|_| far.is_none());
-        let substance = Substance::Homogeneous(own_material(&of_body, fields, context)?);
-        let own = Body { force, far, ..Body::new(name, substance) };
+        let own = Body { far: far.map(|medium| far_field(&medium, context)).transpose()?, ..own };
         let plane = |body: &Body| body.material().plane;
         if let Some(first) = bodies.first().filter(|first| plane(first) != plane(&own)) {
             let word = |body: &Body| if plane(body) == Plane::Strain { "strain" } else { "stress" };
-            let message = format!("{:?} is in plane {}, {name:?} in plane {}", first.name, word(first), word(&own));
+            let message =
+                format!("{:?} is in plane {}, {:?} in plane {}", first.name, word(first), of.name, word(&own));
             return Err(table.problem(message, "bodies that meet are all in plane strain, or all in plane stress"));
         }
-        bodies.extend(pieces(&own, outline.bodies().len()));
-        outlines.push(outline);
+        if let Some(young) =
+            random::varying(&Fields::open(&material_of(&of.of_body, fields)?)?, "young", &declared, context)?
+        {
+            constants.young.extend((bodies.len()..bodies.len() + of.count).map(|body| (body, young.clone())));
+        }
+        bodies.extend(pieces(&own, of.count));
     }
-    let mut problem = Problem::of_bodies(Polygon::assembly(outlines), bodies);
+    let in_material = context.used.take();
+    let forces = fields.get("body_force").map(|f| body_force(&f, context)).transpose()?;
+    let mut first = 0;
+    for of in &outlined {
+        let own = of.of_body.get("body_force").map(|f| force(&f, context)).transpose()?;
+        for body in bodies[first..first + of.count].iter_mut().filter(|body| body.far.is_none()) {
+            body.force = own.clone().or_else(|| forces.clone());
+        }
+        first += of.count;
+    }
+    context.used.take();
+    let names: Vec<&str> = outlined.iter().map(|of| of.name).collect();
+    let mut problem = Problem::of_bodies(outline, bodies);
     if let Some(field) = fields.get("sides") {
         conditions(&field, &names, (&mut problem, &mut cracks), context)?;
     }
@@ -82,38 +132,33 @@ pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Prob
         }
     }
     cracks.join(&mut problem);
-    Ok(problem)
+    Ok(Read { problem, declared, constants, in_material })
 }
 
-/// The far field of a body, if it is a medium; an error if one of the `others` is a medium too.
-fn far(
+/// Refuses a medium beside another one of the `others`, and what it cannot have.
+fn check_medium(
     of_body: &Fields<'_>,
     (name, field): (&str, &Field<'_>),
-    others: &[Body],
-    context: &Context<'_>,
-) -> Result<Option<FarField>, ReadError> {
-    let far = match of_body.get("medium") {
-        Some(field) => Some(far_field(&Fields::new(&field, &keys::MEDIUM)?, context)?),
-        None => return Ok(None),
-    };
-    if let Some(other) = others.iter().find(|body| body.far.is_some()) {
+    others: &[Outlined<'_>],
+) -> Result<(), ReadError> {
+    if let Some(other) = others.iter().find(|other| other.of_body.get("medium").is_some()) {
         let message = format!("{name:?} and {:?} are both media, and both would fill the plane", other.name);
         return Err(field.problem(message, "give one of them corners and sides: a bounded body"));
     }
-    if let Some(field) = of_body.get("body_force") {
-        let help = "give the stress that it makes as medium.remote_stress";
-        return Err(ReadError::new(
-            DataErrorKind::Unsupported,
-            field.item.place,
+    let refused = [
+        (
+            "body_force",
             "an unbounded medium cannot carry a body force",
-            help,
-        ));
+            "give the stress that it makes as medium.remote_stress",
+        ),
+        ("cracks", "a medium cannot have cracks", "write a bounded body around the crack that is tied to the medium"),
+    ];
+    for (key, message, help) in refused {
+        if let Some(field) = of_body.get(key) {
+            return Err(ReadError::new(DataErrorKind::Unsupported, field.item.place, message, help));
+        }
     }
-    if let Some(field) = of_body.get("cracks") {
-        let help = "write a bounded body around the crack that is tied to the medium";
-        return Err(ReadError::new(DataErrorKind::Unsupported, field.item.place, "a medium cannot have cracks", help));
-    }
-    Ok(far)
+    Ok(())
 }
 
 /// A body in `count` pieces.
@@ -122,24 +167,31 @@ pub(super) fn pieces(body: &Body, count: usize) -> Vec<Body> {
     (0..count).map(|k| Body { name: name(k), ..body.clone() }).collect()
 }
 
-/// The material of a body, or else of the scene.
-fn own_material(
-    of_body: &Fields<'_>,
-    fields: &Fields<'_>,
+/// The table of the material of a body, or else of the scene.
+fn material_of<'a>(of_body: &Fields<'a>, fields: &Fields<'a>) -> Result<Field<'a>, ReadError> {
+    match of_body.get("material") {
+        Some(field) => Ok(field),
+        None => fields
+            .require("material", "material = { young = 200.0, poisson = 0.3 } in each [[body]], or one [material]"),
+    }
+}
+
+/// The nominal material of a body.
+fn own_material<'a>(
+    of_body: &Fields<'a>,
+    fields: &Fields<'a>,
+    declared: &[(String, random::Declared)],
     context: &Context<'_>,
 ) -> Result<steklov_elastic::Material, ReadError> {
-    let field = match of_body.get("material") {
-        Some(field) => field,
-        None => fields
-            .require("material", "material = { young = 200.0, poisson = 0.3 } in each [[body]], or one [material]")?,
-    };
-    if let Some(cells) = Fields::new(&field, &keys::MATERIAL)?.get("cells") {
+    let field = material_of(of_body, fields)?;
+    let of_material = Fields::new(&field, &keys::MATERIAL)?;
+    if let Some(cells) = of_material.get("cells") {
         let message = format!("{} cannot be solved among several bodies", cells.name);
         return Err(ReadError::new(DataErrorKind::Unsupported, cells.item.place, message, "give one Young's modulus"));
     }
-    let fields = Fields::new(&field, &keys::MATERIAL)?;
-    let young = fields.require("young", "young = 200.0, in the scene's unit of stress")?.constant(context)?;
-    material(&fields, context, young)
+    random::check_poisson(&field, declared, context)?;
+    let young = of_material.require("young", "young = 200.0, in the scene's unit of stress")?.constant(context)?;
+    material(&of_material, context, young)
 }
 
 /// `[sides.BODY.SIDE]`.

@@ -14,7 +14,8 @@ use super::form::{Key, Range, Table, Whole, quoted, words};
 use super::grid::ORDERS;
 use super::method::{AUTO, MULTIPLIER_DEGREES};
 use super::probe::POINTS;
-use super::random::{BETA, CAPTURED, KERNELS, LOGNORMAL, NORMAL, SAMPLINGS, SPLITS, UNIFORM, VARIABLES};
+use super::random::{BETA, CAPTURED, KERNELS, LOGNORMAL, NORMAL, UNIFORM, VARIABLES};
+use super::stochastic::{SAMPLINGS, SPLITS};
 
 const INF: f64 = f64::INFINITY;
 pub(super) const FINITE: Range = Range::open(-INF, INF, "finite");
@@ -694,7 +695,7 @@ pub(super) static STOCHASTIC: Table = table(
     "How a problem with random input is solved.",
     &[
         key("method", Words(&words(&SAMPLINGS)), "", "Which outcomes are solved, and what is made of them.")
-            .without("`\"galerkin\"`, on a grid `\"sparse\"`"),
+            .or(|| quoted(&SAMPLINGS, None)),
         key("degree", Form::Whole(DEGREE_FROM_0), "", "Polynomial degree in each germ, of galerkin and collocation.")
             .or(|| Stochastic::default().degree.to_string()),
         key("elements", Form::Whole(ELEMENTS), "", "Stochastic elements of each germ, of galerkin and collocation.")
@@ -707,10 +708,10 @@ pub(super) static STOCHASTIC: Table = table(
             "tolerance",
             Form::Number(FRACTION),
             "",
-            "Wanted truncation of refine = \"adaptive\"; of multilevel the standard errors of means over the deviations.",
+            "Wanted truncation of refine = \"adaptive\", by auto over the deviation; of corrected and multilevel the standard errors of means over the deviations.",
         )
-        .without("1e-4, of multilevel 0.01"),
-        key("max_nodes", Form::Whole(NODES), "", "Most outcomes that refine = \"adaptive\" and multilevel solve.")
+        .without("0.01; of galerkin by auto 0.05, where refine is given 1e-4"),
+        key("max_nodes", Form::Whole(NODES), "", "Most outcomes that refine = \"adaptive\", corrected and multilevel solve.")
             .without("10000, of multilevel 10 million"),
         key(
             "samples",

@@ -41,6 +41,7 @@ mod exterior;
 mod units;
 mod foreign;
 mod source;
+mod stochastic;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -49,7 +50,8 @@ use steklov_bem_operators::{Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::{
-    Body, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, Scene, Stochastic, Substance, Tie, Units,
+    Body, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, RandomConstants, Scene, Substance, Tie,
+    Units,
 };
 
 use error::{ReadError, SceneErrorKind as Kind, located};
@@ -64,6 +66,7 @@ use body::Parameters;
 use cracks::Cracks;
 use fields::{Context, Field, Fields};
 use sides::Given;
+use stochastic::Asked;
 use tree::{Item, suggestion};
 
 /// The commented scene with every key that `steklov new` prints.
@@ -185,13 +188,11 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     let of_body = fields.require("body", "a table [body] with corners and sides")?;
     let mut context = Context::new(source, parameters.clone());
     let of_outcomes = fields.get("stochastic");
-    let mut stochastic = of_outcomes.as_ref().map_or_else(|| Ok(Stochastic::default()), random::stochastic)?;
-    let of_outcomes = of_outcomes.as_ref().map(Fields::open).transpose()?;
+    let asked = Asked::read(of_outcomes.as_ref())?;
     let cavity = fields.get("material").is_none() && fields.get("exterior").is_some();
-    let (problem, declared, in_material) = if bodies::are_several(&of_body) {
-        (bodies::problem(&fields, &context)?, Vec::new(), BTreeSet::new())
-    } else {
-        one_body(&fields, &of_body, cavity, &mut context)?
+    let Read { problem, declared, constants, in_material } = match bodies::are_several(&of_body) {
+        true => bodies::problem(&fields, &mut context)?,
+        false => one_body(&fields, &of_body, cavity, &mut context)?,
     };
     let in_sides = context.used.take();
     let around = problem.tie().is_some();
@@ -202,48 +203,48 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     if let Some(field) = fields.get("expect") {
         method::expect(&field, "", &mut expect)?;
     }
-    let in_body_force = problem.bodies[0].force.iter().flatten().flat_map(|f| f.names().iter().cloned()).collect();
+    let forces = problem.bodies.iter().flat_map(|body| &body.force).flatten();
+    let in_body_force = forces.flat_map(|f| f.names().iter().cloned()).collect();
     let by_force = problem.bodies[0].force.is_some() && around || problem.has_several_bodies() && has_force(&problem);
     if !by_force {
         something_acts(&fields, &problem)?;
     }
     random::check_fields(&problem, &declared)?;
     let used = |name: &str| [&in_material, &in_sides, &in_body_force].iter().any(|u| u.contains(name));
-    let is_random = |name: &String| declared.iter().any(|(n, _)| n == name);
     let mut unused: Vec<String> = declared.iter().map(|(name, _)| name.clone()).filter(|name| !used(name)).collect();
     unused.extend(unused_parameters(&parameter_uses, &used));
     if declared.is_empty() && fields.get("stochastic").is_some() {
         unused.push(STOCHASTIC.to_owned());
     }
-    let constants = random::constants(&fields, cavity, &is_random, &context)?;
-    let on_grid = problem.bodies[0].grid.is_some();
-    if on_grid {
-        random::on_grid(&mut stochastic, of_outcomes.as_ref());
-    }
-    random::multilevel(&mut stochastic, of_outcomes.as_ref());
-    let (names, germs) = random::used(declared, stochastic.method, &problem, &used)?;
-    if on_grid {
-        random::level_on_grid(&mut stochastic, of_outcomes.as_ref(), germs.len());
-    }
+    let (names, germs) = random::used(declared, asked.is_product(), &problem, &used)?;
+    let stochastic = asked.chosen(&problem, &method, germs.len());
     let random = Random { names, germs, stochastic, constants };
     let random = (!random.names.is_empty()).then_some(random);
     Ok(Scene { title, units, problem, parameters, probe, probe_lines, probe_sides, method, expect, random, unused })
 }
 
-/// The random inputs of a scene and their names.
-type Declared = Vec<(String, random::Declared)>;
+/// The problem of a scene with its random inputs.
+struct Read {
+    problem: Problem,
+    /// The random inputs and their names.
+    declared: Vec<(String, random::Declared)>,
+    /// The numbers that use them.
+    constants: RandomConstants,
+    /// The names that materials use.
+    in_material: BTreeSet<String>,
+}
 
-/// The problem of one body, or of a hole, with its random inputs and the names that its materials use.
+/// The problem of one body, or of a hole.
 fn one_body(
     fields: &Fields<'_>,
     of_body: &Field<'_>,
     cavity: bool,
     context: &mut Context<'_>,
-) -> Result<(Problem, Declared, BTreeSet<String>), ReadError> {
+) -> Result<Read, ReadError> {
     let of_outline = Fields::new(of_body, &keys::BODY)?;
     let outline = body::body(&of_outline, cavity)?;
     if let Some(field) = of_outline.get("cracks") {
-        for key in ["exterior", "grid", "random"] {
+        for key in ["exterior", "grid"] {
             if let Some(other) = fields.get(key) {
                 let message = format!("{} and {} cannot be solved together", field.name, other.name);
                 return Err(ReadError::new(
@@ -254,7 +255,7 @@ fn one_body(
                 ));
             }
         }
-        return cracked(fields, &of_outline, outline, context).map(|problem| (problem, Vec::new(), BTreeSet::new()));
+        return cracked(fields, &of_outline, outline, context);
     }
     if let Some(field) = fields.get("interface") {
         let help = "write each body as a table [[body]] with a name";
@@ -295,7 +296,8 @@ fn one_body(
     // names that the force alone uses do not count as used by sides
     context.used.replace(in_sides);
     let problem = problem(Parts { outline, substance: body, grid, sides, force, exterior })?;
-    Ok((problem, declared, in_material))
+    let constants = random::constants(fields, cavity, &declared, context)?;
+    Ok(Read { problem, declared, constants, in_material })
 }
 
 /// The problem of one body with cracks.
@@ -304,18 +306,29 @@ fn cracked(
     of_body: &Fields<'_>,
     outline: Polygon,
     context: &mut Context<'_>,
-) -> Result<Problem, ReadError> {
+) -> Result<Read, ReadError> {
+    let declared = match fields.get("random") {
+        Some(field) => random::random(&field, &outline, context)?,
+        None => Vec::new(),
+    };
+    context.used.take();
     let field = fields.require("material", "a table [material] with young and poisson")?;
+    random::check_poisson(&field, &declared, context)?;
+    let constants = random::constants(fields, false, &declared, context)?;
     let substance = substance(&field, &outline, context)?;
     if let Substance::Cells(_) = substance {
         return Err(field.problem("a body of cells cannot have cracks".to_owned(), "give one Young's modulus"));
     }
+    let in_material = context.used.take();
     let force = fields.get("body_force").map(|f| body::body_force(&f, context)).transpose()?;
+    context.used.take();
     let mut cracks = Cracks::default();
     let whole = outline.clone();
     let outline = cracks.cut(of_body, "", outline)?;
     let own = Body { force, ..Body::new("body", substance) };
     let count = outline.bodies().len();
+    let young = constants.young.get(&0).map(|young| (0..count).map(|piece| (piece, young.clone())));
+    let constants = RandomConstants { young: young.into_iter().flatten().collect(), ..RandomConstants::default() };
     let mut problem = Problem::of_bodies(outline, bodies::pieces(&own, count));
     if let Some(field) = fields.get("sides") {
         for (name, place, table) in Fields::open(&field)?.all() {
@@ -339,7 +352,7 @@ fn cracked(
         }
     }
     cracks.join(&mut problem);
-    Ok(problem)
+    Ok(Read { problem, declared, constants, in_material })
 }
 
 /// The parts of the problem from its tables.

@@ -1,12 +1,10 @@
-//! `[random]` and `[stochastic]`: variables, fields, and the method that solves for all of their values.
+//! `[random]`: variables and fields.
 
 use std::sync::Arc;
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::{Expression, Place, RandomField, Support};
-use steklov_problem::{
-    Cells, DataErrorKind, Germ, Problem, RandomConstants, RandomName, Sampling, Side, Stochastic, field_cells,
-};
+use steklov_problem::{Cells, DataErrorKind, Germ, Problem, RandomConstants, RandomName, Side, field_cells};
 use steklov_stochastic::{
     CellKarhunenLoeve, Covariance, Distribution, Field as Expansion, FieldCells, Kernel, StochasticError, Truncation,
     Variable,
@@ -32,17 +30,6 @@ pub(super) const KERNELS: [(&str, Kernel); 3] =
 pub(super) const VARIABLES: [(&str, bool); 2] = [(UNIFORM, true), (NORMAL, false)];
 /// Share of the variance of a field that is kept.
 pub(super) const CAPTURED: f64 = 0.95;
-/// Every choice of outcomes and its word.
-pub(super) const SAMPLINGS: [(&str, Sampling); 5] = [
-    ("galerkin", Sampling::Galerkin),
-    ("collocation", Sampling::Collocation),
-    ("sparse", Sampling::Sparse),
-    ("monte-carlo", Sampling::MonteCarlo),
-    ("multilevel", Sampling::Multilevel),
-];
-/// Whether stochastic elements are split, and the words.
-pub(super) const SPLITS: [(&str, bool); 2] = [("none", false), ("adaptive", true)];
-
 /// A random input as declared in the scene.
 pub(super) enum Declared {
     Variable(Variable),
@@ -79,42 +66,11 @@ pub(super) fn random(
 const RULE: usize = 64;
 /// Largest number of germs of a scene with fields for samples and sparse grids in a bearable time.
 const DRAWN: usize = 512;
-/// Most germs on a grid for which level 2 of a sparse grid is the default: 221 points.
-const FEW: usize = 10;
-
-/// The method and the level that a scene on a grid leaves open: outcomes one by one at the points of a sparse grid.
-pub(super) fn on_grid(stochastic: &mut Stochastic, given: Option<&Fields<'_>>) {
-    if given.is_none_or(|given| given.get("method").is_none()) {
-        stochastic.method = Sampling::Sparse;
-    }
-}
-
-/// Standard errors of a hundredth of the deviations, and as many outcomes as they take, for multilevel Monte Carlo where the
-/// scene leaves them open.
-pub(super) fn multilevel(stochastic: &mut Stochastic, given: Option<&Fields<'_>>) {
-    if stochastic.method != Sampling::Multilevel {
-        return;
-    }
-    let open = |key: &str| given.is_none_or(|given| given.get(key).is_none());
-    if open("tolerance") {
-        stochastic.tolerance = 0.01;
-    }
-    if open("max_nodes") {
-        stochastic.max_nodes = 10_000_000;
-    }
-}
-
-/// Level 1 where level 2 would have hundreds of points, if the scene leaves the level open.
-pub(super) fn level_on_grid(stochastic: &mut Stochastic, given: Option<&Fields<'_>>, germs: usize) {
-    if germs > FEW && given.is_none_or(|given| given.get("level").is_none()) {
-        stochastic.level = 1;
-    }
-}
-
-/// The names that are used, with their germs; the expansions of fields are computed here.
+/// The names that are used, with their germs; the expansions of fields are computed here. `product`: the rule is a product of
+/// rules of the germs.
 pub(super) fn used(
     declared: Vec<(String, Declared)>,
-    method: Sampling,
+    product: bool,
     problem: &Problem,
     uses: &dyn Fn(&str) -> bool,
 ) -> Result<(Vec<RandomName>, Vec<Germ>), ReadError> {
@@ -138,7 +94,6 @@ pub(super) fn used(
                 let law = if uniform { Variable::uniform(-bound, bound) } else { Variable::normal(0.0, 1.0) };
                 let law = law.map_err(refused)?;
                 let first = germs.len();
-                let product = matches!(method, Sampling::Galerkin | Sampling::Collocation);
                 let (modes, most) = (expansion.len(), if product { RULE } else { DRAWN });
                 if first + modes > most {
                     let [a, b] = covariance.correlation;
@@ -206,16 +161,17 @@ pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -
             }
         }
     }
-    for (index, side) in problem.sides.iter().enumerate() {
-        for (what, expression) in problem.side_data(index) {
-            for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {
-                if let Declared::Field { support: Support::Side { name: on, .. }, .. } = declared
-                    && *on != side.name
-                {
-                    let message = format!("the {what} of side {:?} uses the field {name} of side {on:?}", side.name);
-                    let help = format!("declare a field on {:?}, or on = \"body\"", side.name);
-                    return Err(ReadError::new(DataErrorKind::Conflict, expression.place, message, help));
-                }
+    let of_side = |index: usize| problem.side_data(index).into_iter().map(move |(what, e)| (index, what, e));
+    let of_sides = (0..problem.sides.len()).flat_map(of_side);
+    for (side, what, expression) in of_sides.chain(problem.jumps_of_ties()) {
+        let side = &problem.sides[side].name;
+        for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {
+            if let Declared::Field { support: Support::Side { name: on, .. }, .. } = declared
+                && on != side
+            {
+                let message = format!("the {what} of side {side:?} uses the field {name} of side {on:?}");
+                let help = format!("declare a field on {side:?}, or on = \"body\"");
+                return Err(ReadError::new(DataErrorKind::Conflict, expression.place, message, help));
             }
         }
     }
@@ -242,24 +198,50 @@ pub(super) fn check_poisson(
     }
 }
 
-/// The numbers of a scene that use random names; with `cavity` its modulus is the medium's.
+/// The number of a key, if it uses random names.
+pub(super) fn varying(
+    table: &Fields<'_>,
+    key: &str,
+    declared: &[(String, Declared)],
+    context: &Context<'_>,
+) -> Result<Option<Expression>, ReadError> {
+    let expression = table.get(key).map(|field| field.expression(context)).transpose()?;
+    Ok(expression.filter(|expression| varies(expression, declared)))
+}
+
+/// The entries of a remote stress, if one of them uses random names.
+pub(super) fn varying_stress(
+    medium: &Fields<'_>,
+    declared: &[(String, Declared)],
+    context: &Context<'_>,
+) -> Result<Option<[Expression; 3]>, ReadError> {
+    let Some(stress) = medium.get("remote_stress") else { return Ok(None) };
+    let entries: Vec<Expression> =
+        stress.list()?.iter().map(|entry| entry.expression(context)).collect::<Result<_, _>>()?;
+    let entries = <[Expression; 3]>::try_from(entries).ok();
+    Ok(entries.filter(|stress| stress.iter().any(|entry| varies(entry, declared))))
+}
+
+fn varies(expression: &Expression, declared: &[(String, Declared)]) -> bool {
+    declared.iter().any(|(name, _)| expression.uses(name))
+}
+
+/// The numbers of a scene of one body that use random names; with `cavity` its modulus is the medium's.
 pub(super) fn constants(
     scene: &Fields<'_>,
     cavity: bool,
-    is_random: &dyn Fn(&String) -> bool,
+    declared: &[(String, Declared)],
     context: &Context<'_>,
 ) -> Result<RandomConstants, ReadError> {
     let table = |key: &str| scene.get(key).map(|field| Fields::open(&field)).transpose();
-    let varies = |expression: &Expression| expression.names().iter().any(is_random);
-    let young = table(if cavity { "exterior" } else { "material" })?.and_then(|table| table.get("young"));
-    let young = young.map(|young| young.expression(context)).transpose()?.filter(varies);
-    let stress = table("exterior")?.and_then(|table| table.get("remote_stress"));
-    let entries = match stress {
-        Some(stress) => stress.list()?.iter().map(|entry| entry.expression(context)).collect::<Result<Vec<_>, _>>()?,
-        None => Vec::new(),
-    };
-    let remote_stress = <[Expression; 3]>::try_from(entries).ok().filter(|stress| stress.iter().any(varies));
-    Ok(RandomConstants { young, remote_stress })
+    let mut constants = RandomConstants::default();
+    if let Some(of_modulus) = table(if cavity { "exterior" } else { "material" })? {
+        constants.young.extend(varying(&of_modulus, "young", declared, context)?.map(|young| (0, young)));
+    }
+    if let Some(exterior) = table("exterior")? {
+        constants.remote_stress = varying_stress(&exterior, declared, context)?;
+    }
+    Ok(constants)
 }
 
 #[derive(Clone, Copy)]
@@ -356,42 +338,4 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, ReadError> {
     };
     let covariance = Covariance { kernel, correlation };
     Ok(Declared::Field { covariance, truncation, support, uniform, place: field.item.place })
-}
-
-pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, ReadError> {
-    let mut read = Stochastic::default();
-    let table = Fields::new(field, &keys::STOCHASTIC)?;
-    for (key, _, field) in table.all() {
-        match key {
-            "method" => read.method = field.choice(&SAMPLINGS)?,
-            "degree" => read.degree = field.whole(keys::DEGREE_FROM_0)?,
-            "elements" => read.elements = field.whole(keys::ELEMENTS)?,
-            "level" => read.level = field.whole(keys::LEVEL)?,
-            "refine" => read.refine = field.choice(&SPLITS)?,
-            "tolerance" => read.tolerance = field.number_in(&keys::FRACTION)?,
-            "max_nodes" => read.max_nodes = field.whole(keys::NODES)?,
-            "samples" => read.samples = field.whole(keys::SAMPLES)?,
-            "seed" => read.seed = field.whole(keys::NATURAL)? as u64,
-            "quantiles" => {
-                let numbers = field.list()?;
-                let number = |q: &Field<'_>| q.number_in(&keys::FRACTION);
-                read.quantiles = numbers.iter().map(number).collect::<Result<_, _>>()?;
-            }
-            _ => {
-                let paths = field.list()?;
-                let text = |q: &Field<'_>| q.text().map(str::to_owned);
-                read.quantities = Some(paths.iter().map(text).collect::<Result<_, _>>()?);
-            }
-        }
-    }
-    let only_point = match read.method {
-        Sampling::Galerkin | Sampling::Collocation => read.degree == 0 && read.elements == 1 && !read.refine,
-        Sampling::Sparse => read.level == 0,
-        Sampling::MonteCarlo | Sampling::Multilevel => false,
-    };
-    if let Some(field) = table.get("degree").or(table.get("level")).filter(|_| only_point) {
-        let message = format!("{} is 0: one point stands for all outcomes, and every deviation is 0", field.name);
-        return Err(field.problem(message, "it must be 1 or more"));
-    }
-    Ok(read)
 }

@@ -144,7 +144,7 @@ pub struct BodySummary {
 }
 
 /// An interface between bodies in numbers.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct InterfaceSummary {
     /// Its name.
     pub name: String,

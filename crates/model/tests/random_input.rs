@@ -39,12 +39,12 @@ fn scene([young, gap, friction, held, load]: [&str; 5]) -> Scene {
         .map(|((name, _), variable)| Germ { label: name.to_owned(), variable })
         .collect();
     let names = germs.iter().enumerate().map(|(germ, of)| RandomName::Variable { name: of.label.clone(), germ });
-    let young = NOMINAL.iter().any(|(name, _)| young.text().contains(name)).then_some(young);
+    let young = NOMINAL.iter().any(|(name, _)| young.text().contains(name)).then_some((0, young));
     scene.random = Some(Random {
         names: names.collect(),
         germs,
         stochastic: Stochastic::default(),
-        constants: RandomConstants { young, remote_stress: None },
+        constants: RandomConstants { young: young.into_iter().collect(), remote_stress: None },
     });
     scene
 }
@@ -150,7 +150,7 @@ fn jumps_are_found_in_the_expressions_also_after_they_were_changed() {
 }
 
 #[test]
-fn random_input_of_several_bodies_is_refused() {
+fn random_moduli_are_those_of_bodies_that_exist() {
     let outline = Polygon::assembly(vec![
         square([0.0, 0.0], ["low.bottom", "low.right", "low.top", "low.left"]),
         square([0.0, 1.0], ["high.bottom", "high.right", "high.top", "high.left"]),
@@ -165,10 +165,18 @@ fn random_input_of_several_bodies_is_refused() {
     problem.join(&[2], &[4], law, None).expect("sides that face each other");
     let mut several = Scene::of(problem);
     several.check().expect("two bodies");
-    let mut random = with(VARYING[0]).random;
-    random.as_mut().expect("random input").constants.young = None;
-    several.random = random;
-    let error = several.check().expect_err("random input of two bodies");
-    assert_eq!(error.kind, DataErrorKind::Unsupported);
-    assert_eq!(error.message, "random input is for one body, and there are several");
+    several.random = with(VARYING[1]).random;
+    let constants = |scene: &mut Scene, body: usize| {
+        let random = scene.random.as_mut().expect("random input");
+        random.constants.young = [(body, read("500*Q"))].into();
+    };
+    constants(&mut several, 2);
+    let error = several.check().expect_err("a modulus of no body");
+    assert_eq!(error.message, "random.constants.young has the body 2, and the problem has 2");
+    constants(&mut several, 1);
+    several.check().expect("a modulus of the second body");
+    let outcome = several.outcome(&[1.0]).expect("an outcome");
+    let young = |body: usize| outcome.problem.bodies[body].material().young;
+    assert_eq!(young(0), 1e3);
+    assert!((young(1) - 500.0 * several.random.expect("random").germs[0].variable.value(1.0)).abs() < 1e-10);
 }

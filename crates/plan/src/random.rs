@@ -2,7 +2,7 @@
 
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_model::stochastic::{intervals, is_coupled, method};
-use steklov_problem::{Condition, Germ, Random, Sampling, Scene, grid_of, moduli};
+use steklov_problem::{Germ, Random, Sampling, Scene, grid_of, moduli};
 use steklov_stochastic::{Field, smolyak};
 
 use super::Decision;
@@ -23,6 +23,8 @@ pub fn points(scene: &Scene, random: &Random) -> f64 {
     match settings.method {
         Sampling::Galerkin | Sampling::Collocation => random.germs.iter().zip(scene.cuts(random)).map(of).product(),
         Sampling::Sparse => sparse(random).unwrap_or(f64::INFINITY),
+        // the first grid, or the first samples
+        Sampling::Corrected => (2 * random.germs.len() + 1).min(settings.max_nodes) as f64,
         Sampling::MonteCarlo => settings.samples as f64,
         Sampling::Multilevel => settings.max_nodes as f64,
     }
@@ -53,6 +55,10 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
             if settings.refine { ", refined until their truncation is small" } else { "" }
         ),
         Sampling::Sparse => format!("sparse grid of level {} in {germs} germ(s): {count} points", settings.level),
+        Sampling::Corrected => format!(
+            "a sparse grid in {germs} germ(s), corrected by fresh outcomes, seed {}: as many as standard errors of {} of the deviations need",
+            settings.seed, settings.tolerance
+        ),
         Sampling::MonteCarlo => format!("{count} samples of {germs} germ(s), seed {}", settings.seed),
         Sampling::Multilevel => format!(
             "samples of {germs} germ(s) on a family of grids, seed {}, until standard errors are {} of the deviations",
@@ -61,6 +67,7 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
     };
     let each = match scene.is_on_grid() {
         true => "each a body of its own, with a factorisation of the grid",
+        false if scene.problem.has_several_bodies() => "each a solve of the interfaces: every body is factorised once",
         false => "each a condensed contact solve with the one factorisation of the mesh",
     };
     let why = format!(
@@ -83,7 +90,7 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
             Ok(true) => ("coupled", "the modulus is not affine in its germs: the exact Galerkin system, cell by cell"),
             _ => (
                 "one by one",
-                "an affine modulus; or a body force, Coulomb friction or a body that only contact holds: node by node, which is collocation",
+                "an affine modulus; or several bodies, a body force, Coulomb friction or a body that only contact holds: node by node, which is collocation",
             ),
         };
         modelled.push(decision("stochastic nodes", choice.into(), why.into()));
@@ -124,16 +131,21 @@ fn coarse_cells(field: &Field) -> String {
 
 /// Half of the change of the data from one deviation of a germ below its median to one above: between its quantiles
 /// 0.159 and 0.841.
+#[derive(Default)]
 struct Moved {
-    /// Change of E, relative, in mean square over cells.
+    /// Largest change of E of a body, relative, in mean square over cells.
     young: f64,
-    /// Change of the tractions, relative to their size, both in mean square along the boundary.
+    /// Change of the tractions and body forces, relative to their size, both in mean square.
     loads: f64,
+    /// Change of the stress far away, relative to the largest entry.
+    remote: f64,
     /// Largest changes of gap (length) and of friction (stress or 1).
     gap: f64,
     friction: f64,
     /// Largest change of prescribed displacements (length).
     held: f64,
+    /// Largest change of jumps across ties (length or stress).
+    jumps: f64,
 }
 
 impl Moved {
@@ -146,6 +158,7 @@ impl Moved {
         };
         percent("moves Young's modulus", self.young);
         percent("moves the loads", self.loads);
+        percent("moves the stress far away", self.remote);
         let mut size = |what: &str, size: f64| {
             if size > 0.0 {
                 parts.push(format!("{what} by {size:.1e}"));
@@ -154,13 +167,14 @@ impl Moved {
         size("moves the gap", self.gap);
         size("moves friction", self.friction);
         size("moves held displacements", self.held);
+        size("moves jumps of ties", self.jumps);
         if parts.is_empty() { "moves next to nothing: a number would do".into() } else { parts.join(", ") }
     }
 }
 
 /// Half of the change from one modulus to another, relative to a third: in mean square over cells.
-fn change([low, high, nominal]: [Vec<f64>; 3]) -> f64 {
-    let squares: f64 = low.iter().zip(&high).zip(&nominal).map(|((a, b), e)| (0.5 * (b - a) / e).powi(2)).sum();
+fn change([low, high, nominal]: [&[f64]; 3]) -> f64 {
+    let squares: f64 = low.iter().zip(high).zip(nominal).map(|((a, b), e)| (0.5 * (b - a) / e).powi(2)).sum();
     (squares / nominal.len().max(1) as f64).sqrt()
 }
 
@@ -169,9 +183,15 @@ fn change([low, high, nominal]: [Vec<f64>; 3]) -> f64 {
 fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
     let middle: Vec<f64> = random.germs.iter().map(|g| g.variable.quantile(0.5)).collect();
     let grid = if scene.is_on_grid() { grid_of(scene).ok() } else { None };
-    let young = |s: &Scene| match &grid {
-        Some(grid) => moduli(s, grid).map(|all| grid.body_cells().map(|c| all[c]).collect()).unwrap_or_default(),
-        None => vec![s.body().material().young],
+    // of each body, or of each cell of a body on a grid
+    let moduli_of = |scene: &Scene| -> Vec<Vec<f64>> {
+        match &grid {
+            Some(grid) => {
+                let cells = moduli(scene, grid).map(|all| grid.body_cells().map(|c| all[c]).collect());
+                vec![cells.unwrap_or_default()]
+            }
+            None => scene.problem.bodies.iter().map(|body| vec![body.material().young]).collect(),
+        }
     };
     let one = |d: usize| {
         let outcome = |p: f64| {
@@ -180,50 +200,64 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
             scene.outcome(&germs).unwrap_or_else(|_| scene.clone())
         };
         let (low, high) = (outcome(0.158_655), outcome(0.841_345));
-        let mut moved = Moved { gap: 0.0, friction: 0.0, held: 0.0, loads: 0.0, young: 0.0 };
-        moved.young = change([&low, &high, scene].map(young));
-        let (mut change, mut size) = (0.0, 0.0);
-        for edge in scene.problem.outline.edges() {
-            for k in 0..=STEPS {
-                let s = k as f64 / STEPS as f64;
-                let value = |f: &Expression| {
-                    let (x, y, s) = OnEdge::new(edge, f).at(s);
-                    f.eval(x, y, s)
-                };
-                let pair = |a: &Expression, b: &Expression| (value(b) - value(a), 0.5 * (value(a) + value(b)));
-                let (a, b) = (&low.problem.sides[edge.side].condition, &high.problem.sides[edge.side].condition);
-                let mut load = |a: &Expression, b: &Expression| {
-                    let (d, m) = pair(a, b);
-                    change += 0.25 * d * d * edge.length();
-                    size += m * m * edge.length();
-                };
-                let half = |a: &Expression, b: &Expression| 0.5 * pair(a, b).0.abs();
-                if let (Some(a), Some(b)) = (low.contact(edge.side), high.contact(edge.side)) {
-                    moved.gap = moved.gap.max(half(&a.gap, &b.gap));
-                    for (f, g) in a.data().into_iter().zip(b.data()).skip(1) {
-                        moved.friction = moved.friction.max(half(f.1, g.1));
-                    }
-                }
-                match (a, b) {
-                    (Condition::Traction(a), Condition::Traction(b)) => (0..2).for_each(|i| load(&a[i], &b[i])),
-                    (Condition::Pressure(a), Condition::Pressure(b)) => load(a, b),
-                    (Condition::Displacement { values: a, .. }, Condition::Displacement { values: b, .. }) => {
-                        for (a, b) in a.iter().zip(b).filter_map(|(a, b)| a.as_ref().zip(b.as_ref())) {
-                            moved.held = moved.held.max(half(a, b));
-                        }
-                    }
-                    _ => {}
-                }
-            }
-        }
-        if let (Some(a), Some(b)) = (low.body().constant_force(), high.body().constant_force()) {
-            for i in 0..2 {
-                change += 0.25 * (b[i] - a[i]).powi(2) * scene.problem.outline.area();
-                size += (0.5 * (a[i] + b[i])).powi(2) * scene.problem.outline.area();
-            }
-        }
+        let [a, b, nominal] = [&low, &high, scene].map(moduli_of);
+        let of_body = |k: usize| change([&a[k], &b[k], &nominal[k]]);
+        let mut moved = Moved { young: (0..nominal.len()).map(of_body).fold(0.0, f64::max), ..Moved::default() };
+        let mut loads = [0.0; 2];
+        of_sides(&low, &high, &mut moved, &mut loads);
+        of_bodies(&low, &high, &mut moved, &mut loads);
+        let [change, size] = loads;
         moved.loads = if change == 0.0 { 0.0 } else { (change / size).sqrt() };
         moved
     };
     (0..random.germs.len().min(NAMED)).map(one).collect()
+}
+
+/// What changes along sides from one outcome to another; `loads`: squares of half the change of tractions, and of their mean.
+fn of_sides(low: &Scene, high: &Scene, moved: &mut Moved, [change, size]: &mut [f64; 2]) {
+    let jumps = |scene: &Scene, side: usize| -> Vec<(&'static str, Expression)> {
+        let of_side = scene.problem.jumps_of_ties().filter(|(on, ..)| *on == side);
+        of_side.map(|(_, _, jump)| ("jump", jump.clone())).collect()
+    };
+    let data = |scene: &Scene, side: usize| -> Vec<(&'static str, Expression)> {
+        let own = scene.problem.side_data(side).into_iter().map(|(what, datum)| (what, datum.clone()));
+        own.chain(jumps(scene, side)).collect()
+    };
+    for edge in low.problem.outline.edges() {
+        for ((what, a), (_, b)) in data(low, edge.side).iter().zip(&data(high, edge.side)) {
+            for k in 0..=STEPS {
+                let value = |f: &Expression| {
+                    let (x, y, s) = OnEdge::new(edge, f).at(k as f64 / STEPS as f64);
+                    f.eval(x, y, s)
+                };
+                let (half, mean) = (0.5 * (value(b) - value(a)), 0.5 * (value(a) + value(b)));
+                match *what {
+                    "traction" | "pressure" => {
+                        *change += half * half * edge.length();
+                        *size += mean * mean * edge.length();
+                    }
+                    "gap" => moved.gap = moved.gap.max(half.abs()),
+                    "displacement" => moved.held = moved.held.max(half.abs()),
+                    "jump" => moved.jumps = moved.jumps.max(half.abs()),
+                    _ => moved.friction = moved.friction.max(half.abs()),
+                }
+            }
+        }
+    }
+}
+
+/// The same of body forces and the stress far away.
+fn of_bodies(low: &Scene, high: &Scene, moved: &mut Moved, [change, size]: &mut [f64; 2]) {
+    for (a, b) in low.problem.bodies.iter().zip(&high.problem.bodies) {
+        for (a, b) in a.constant_force().iter().flatten().zip(b.constant_force().iter().flatten()) {
+            *change += 0.25 * (b - a).powi(2) * low.problem.outline.area();
+            *size += (0.5 * (a + b)).powi(2) * low.problem.outline.area();
+        }
+        if let (Some(a), Some(b)) = (&a.far, &b.far) {
+            let both = || a.remote_stress.iter().zip(&b.remote_stress);
+            let largest = both().fold(0.0, |m: f64, (a, b)| m.max(0.5 * (a + b).abs()));
+            let half = both().fold(0.0, |m: f64, (a, b)| m.max(0.5 * (b - a).abs()));
+            moved.remote = if half == 0.0 { 0.0 } else { half / largest };
+        }
+    }
 }

@@ -219,11 +219,6 @@ impl Scene {
         let refuse = |key: &str, message: &str, help: &str| {
             Err(DataError::at(DataErrorKind::Unsupported, &[vec!["method", key]], message.to_owned(), help))
         };
-        if self.random.is_some() {
-            let message = "random input is for one body, and there are several";
-            let help = "leave out [random], or one body";
-            return Err(DataError::at(DataErrorKind::Unsupported, &[vec!["random"]], message, help));
-        }
         if self.method.multiplier == Multiplier::Stabilised {
             return refuse(
                 "multiplier",

@@ -31,10 +31,13 @@ impl Surroundings<'_> {
     }
 }
 
+/// The name of a jump of the displacement.
+pub(super) const DISPLACEMENT_JUMP: &str = "displacement jump";
+
 impl Tie {
     /// The expressions of the jumps and their names.
-    fn jumps(&self) -> impl Iterator<Item = (&'static str, &Expression)> {
-        let displacement = self.displacement_jump.iter().flatten().map(|e| ("displacement jump", e));
+    pub(super) fn jumps(&self) -> impl Iterator<Item = (&'static str, &Expression)> {
+        let displacement = self.displacement_jump.iter().flatten().map(|e| (DISPLACEMENT_JUMP, e));
         let traction = self.traction_jump.iter().flatten().map(|e| ("traction jump", e));
         let stress = self.stress_jump.iter().flatten().map(|e| ("stress jump", e));
         displacement.chain(traction).chain(stress)
@@ -131,15 +134,15 @@ impl Scene {
 
     /// The particular solution of the force on a body, or of the stress far from its holes, times a factor: zero at the centroid
     /// of the body, or at the origin.
-    pub fn particular_solution(&self, body: usize, factor: f64) -> Option<ParticularSolution> {
+    pub fn particular_solution(&self, body: usize) -> Option<ParticularSolution> {
         let (of_body, material) = (&self.problem.bodies[body], self.problem.bodies[body].material());
         if let Some(force) = of_body.constant_force() {
-            let (force, centre) = (force.map(|b| b * factor), self.problem.outline.centroid_of_body(body));
+            let centre = self.problem.outline.centroid_of_body(body);
             return Some(ParticularSolution::of_body_force(force, centre, &material));
         }
         let stress = of_body.far.as_ref()?.remote_stress;
         let stressed = stress != [0.0; 3];
-        stressed.then(|| ParticularSolution::of_uniform_stress(stress.map(|s| s * factor), [0.0; 2], &material))
+        stressed.then(|| ParticularSolution::of_uniform_stress(stress, [0.0; 2], &material))
     }
 
     /// The uniform field of the medium around a body that belongs to the stress far away; none without that stress.
@@ -213,12 +216,9 @@ impl Scene {
 
     /// Whether the jumps have values wherever body and medium meet, and the displacement has one at each corner.
     pub(super) fn check_jumps(&self) -> Result<(), DataError> {
-        for interface in self.problem.joints() {
-            let Law::Tied(tie) = &interface.law else { continue };
-            for (what, jump) in tie.jumps() {
-                for edge in self.problem.outline.edges().iter().filter(|edge| interface.sides.contains(&edge.side)) {
-                    self.check_along(edge, &self.problem.sides[edge.side].name, what, jump)?;
-                }
+        for (side, what, jump) in self.problem.jumps_of_ties() {
+            for edge in self.problem.outline.edges().iter().filter(|edge| edge.side == side) {
+                self.check_along(edge, &self.problem.sides[side].name, what, jump)?;
             }
         }
         let Some(tie) = self.problem.tie() else { return Ok(()) };
@@ -231,7 +231,7 @@ impl Scene {
             }
             let largest = ends.iter().fold(0.0, |m: f64, [.., l]| m.max(*l));
             let apart = |k: &usize| (ends[*k][1] - ends[(k + 1) % ends.len()][0]).abs() > 1e-6 * largest;
-            if let Some(k) = (0..ends.len()).find(apart).filter(|_| what == "displacement jump") {
+            if let Some(k) = (0..ends.len()).find(apart).filter(|_| what == DISPLACEMENT_JUMP) {
                 let [x, y] = self.problem.outline.edges()[k].end;
                 let message = format!(
                     "the {what} is {} before and {} after the corner ({x}, {y}): expression {:?}",

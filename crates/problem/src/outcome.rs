@@ -27,9 +27,9 @@ impl Scene {
         let value = |expression: &Expression| expression.with_values(&values).constant().unwrap_or(f64::NAN);
         let mut outcome = Self { random: None, unused: Vec::new(), ..self.clone() };
         let problem = &mut outcome.problem;
-        if let Some(young) = &random.constants.young {
-            let material = with_young(&self.body().material(), value(young), young)?;
-            problem.bodies[0].substance = Substance::Homogeneous(material);
+        for (&body, young) in &random.constants.young {
+            let material = with_young(&self.problem.bodies[body].material(), value(young), young)?;
+            problem.bodies[body].substance = Substance::Homogeneous(material);
         }
         if let Substance::Cells(Cells { young, poisson, .. }) = &mut problem.bodies[0].substance {
             for of_cells in std::iter::once(young).chain(poisson) {
@@ -57,7 +57,7 @@ impl Scene {
                 return Err(DataError::at(Kind::Value, &[key], message, "it must be finite"));
             }
         }
-        if let Some(force) = &mut problem.bodies[0].force {
+        for force in problem.bodies.iter_mut().filter_map(|body| body.force.as_mut()) {
             force.iter_mut().for_each(take);
             for (k, expression) in force.iter().enumerate() {
                 if let Some(number) = expression.constant().filter(|v| !v.is_finite()) {

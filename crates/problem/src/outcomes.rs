@@ -33,7 +33,7 @@ impl Scene {
                 moduli(&outcome, grid).map_err(|e| named(germs, e))?;
                 poisson_ratios(&outcome, grid).map_err(|e| named(germs, e))?;
             }
-            outcome.check_data().map_err(|e| named(germs, e))
+            outcome.check_data().and_then(|()| outcome.check_jumps()).map_err(|e| named(germs, e))
         };
         let ends: Vec<[f64; 2]> = random.germs.iter().map(|g| ends(&g.variable, &random.stochastic)).collect();
         for d in 0..ends.len().min(SINGLE) {
@@ -72,6 +72,8 @@ fn outermost(variable: &Variable, settings: &Stochastic) -> Result<Vec<f64>, Sto
     let first = |points: Vec<Vec<f64>>| points.into_iter().map(|p| p[0]);
     match settings.method {
         Sampling::MonteCarlo | Sampling::Multilevel => Ok(Vec::new()),
+        // of the lowest level: higher ones are chosen by what they cost
+        Sampling::Corrected => Ok(first(smolyak(variables, 1)?.points).collect()),
         Sampling::Sparse => Ok(first(smolyak(variables, settings.level)?.points).collect()),
         Sampling::Galerkin | Sampling::Collocation => {
             let n = settings.elements as f64;

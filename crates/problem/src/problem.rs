@@ -222,6 +222,17 @@ impl Problem {
         Ok(())
     }
 
+    /// The jumps across ties between bodies: the side along which each is given, its name, its expression.
+    pub fn jumps_of_ties(&self) -> impl Iterator<Item = (usize, &'static str, &Expression)> {
+        let ties = self.joints().filter_map(|interface| match &interface.law {
+            Law::Tied(tie) => Some((interface, tie)),
+            Law::Contact(_) => None,
+        });
+        ties.flat_map(|(interface, tie)| {
+            interface.sides.iter().flat_map(|&side| tie.jumps().map(move |(what, jump)| (side, what, jump)))
+        })
+    }
+
     /// The sides of the outer loop of the first body, rising.
     pub(super) fn outer_sides(&self) -> Vec<usize> {
         let edges = &self.outline.edges()[self.outline.loops()[0].clone()];

@@ -30,10 +30,17 @@ pub struct Random {
 /// Numbers of a problem that use random names: the expressions that give them.
 #[derive(Debug, Clone, Default)]
 pub struct RandomConstants {
-    /// Young's modulus of the body, or of the medium around a hole.
-    pub young: Option<Expression>,
+    /// Young's modulus of the bodies with these numbers; a medium around a hole is body 0.
+    pub young: BTreeMap<usize, Expression>,
     /// Stress xx, yy, xy far away.
     pub remote_stress: Option<[Expression; 3]>,
+}
+
+impl RandomConstants {
+    /// The first body with a random modulus; 0 if there is none.
+    pub fn first_young(&self) -> usize {
+        self.young.keys().next().copied().unwrap_or(0)
+    }
 }
 
 /// A direction of the stochastic problem.
@@ -73,6 +80,8 @@ pub enum Sampling {
     Collocation,
     /// Smolyak's sparse grid.
     Sparse,
+    /// A sparse grid whose polynomials fresh outcomes correct, both as many as a tolerance needs.
+    Corrected,
     /// Independent samples.
     MonteCarlo,
     /// Samples of differences between grids of a family.
@@ -92,8 +101,11 @@ pub struct Stochastic {
     pub level: usize,
     /// Whether the stochastic mesh is refined until `tolerance`.
     pub refine: bool,
-    /// Largest contribution of the truncation in the germs to the relative error in the energy norm.
+    /// Largest contribution of the truncation in the germs to the relative error in the energy norm; of methods with fresh
+    /// outcomes the standard errors of means over the deviations.
     pub tolerance: f64,
+    /// Whether the refined mesh has the tolerance of what varies: the truncation over the deviation in the energy norm.
+    pub of_deviation: bool,
     /// Most stochastic nodes.
     pub max_nodes: usize,
     /// Samples of Monte Carlo, and of the surrogate for quantiles.
@@ -115,6 +127,7 @@ impl Default for Stochastic {
             level: 2,
             refine: false,
             tolerance: 1e-4,
+            of_deviation: false,
             max_nodes: 10_000,
             samples: 10_000,
             seed: 1,

@@ -3,6 +3,7 @@
 use steklov_expression::Expression;
 
 use super::check::STIFFNESS;
+use super::medium::DISPLACEMENT_JUMP;
 use super::{DataError, DataErrorKind as Kind, Random, RandomName, Scene};
 
 /// The data of an outcome that are made anew where they use random names.
@@ -13,6 +14,7 @@ enum Datum {
     Contact,
     Held,
     Springs,
+    Ties,
     /// It is always that of the outcome.
     Remote,
 }
@@ -30,16 +32,18 @@ pub struct Uses {
     pub held: bool,
     /// Stiffnesses of springs.
     pub springs: bool,
+    /// Jumps of the displacement across ties.
+    pub ties: bool,
 }
 
 impl Scene {
     /// The expressions that may use random names, and what they give.
     fn expressions<'a>(&'a self, random: &'a Random) -> Vec<(Datum, &'a Expression)> {
         let mut all: Vec<(Datum, &Expression)> = Vec::new();
-        all.extend(random.constants.young.iter().map(|e| (Datum::Young, e)));
+        all.extend(random.constants.young.values().map(|e| (Datum::Young, e)));
         all.extend(random.constants.remote_stress.iter().flatten().map(|e| (Datum::Remote, e)));
         all.extend(self.body().cell_expressions().map(|e| (Datum::Young, e)));
-        all.extend(self.body().force.iter().flatten().map(|e| (Datum::Load, e)));
+        all.extend(self.problem.bodies.iter().flat_map(|body| &body.force).flatten().map(|e| (Datum::Load, e)));
         for side in 0..self.problem.sides.len() {
             all.extend(self.problem.side_data(side).into_iter().map(|(what, e)| match what {
                 "traction" | "pressure" => (Datum::Load, e),
@@ -48,6 +52,10 @@ impl Scene {
                 _ => (Datum::Contact, e),
             }));
         }
+        all.extend(self.problem.jumps_of_ties().map(|(_, what, e)| match what {
+            DISPLACEMENT_JUMP => (Datum::Ties, e),
+            _ => (Datum::Load, e),
+        }));
         all
     }
 
@@ -62,10 +70,12 @@ impl Scene {
             contact: uses(Datum::Contact),
             held: uses(Datum::Held),
             springs: uses(Datum::Springs),
+            ties: uses(Datum::Ties),
         }
     }
 
-    /// Names that have their germs, and expressions whose names are there: others would be solved with their nominal values.
+    /// Names that have their germs, moduli whose bodies are there, and expressions whose names are there: others would be solved
+    /// with their nominal values.
     pub(super) fn check_random(&self) -> Result<(), DataError> {
         let Some(random) = &self.random else { return Ok(()) };
         let refuse = |message: String, help: &str| Err(DataError::at(Kind::Conflict, &[vec!["random"]], message, help));
@@ -79,6 +89,11 @@ impl Scene {
                 let message = format!("{} has the germs {germs:?}, and random.germs has {count}", name.name());
                 return refuse(message, "give each variable one germ, and each field one for every mode");
             }
+        }
+        let bodies = self.problem.bodies.len();
+        if let Some(body) = random.constants.young.keys().find(|&&body| body >= bodies) {
+            let message = format!("random.constants.young has the body {body}, and the problem has {bodies}");
+            return refuse(message, "bodies are numbered from 0");
         }
         let known = |name: &String| {
             self.parameters.contains_key(name) || random.names.iter().any(|random| random.name() == name)

@@ -70,22 +70,23 @@ impl Scene {
         };
         let nowhere = vec![[[0.0; 2]; 2]];
         let mut all: Vec<(Expression, Vec<[[f64; 2]; 2]>)> = Vec::new();
-        let young = random.constants.young.as_ref();
-        all.extend(young.and_then(free).map(|e| (e, nowhere.clone())));
+        all.extend(random.constants.young.values().filter_map(free).map(|e| (e, nowhere.clone())));
         all.extend(self.body().cell_expressions().filter_map(free).map(|e| (e, self.rows_of_cells())));
-        let forces = self.body().force.iter().flatten();
+        let forces = self.problem.bodies.iter().flat_map(|body| &body.force).flatten();
         all.extend(forces.filter_map(free).map(|e| (e, nowhere.clone())));
+        let chords = |e: &Edge| -> Vec<[[f64; 2]; 2]> {
+            let count = if e.is_line() { 1 } else { CHORDS };
+            let point = |k: usize| e.point(k as f64 / count as f64);
+            (0..count).map(|k| [point(k), point(k + 1)]).collect()
+        };
+        let paths_of = |index: usize| -> Vec<[[f64; 2]; 2]> {
+            self.problem.outline.edges().iter().filter(|e| e.side == index).flat_map(chords).collect()
+        };
         for index in 0..self.problem.sides.len() {
-            let edges = self.problem.outline.edges().iter().filter(|e| e.side == index);
-            let chords = |e: &Edge| -> Vec<[[f64; 2]; 2]> {
-                let count = if e.is_line() { 1 } else { CHORDS };
-                let point = |k: usize| e.point(k as f64 / count as f64);
-                (0..count).map(|k| [point(k), point(k + 1)]).collect()
-            };
-            let paths: Vec<[[f64; 2]; 2]> = edges.flat_map(chords).collect();
             let read = self.problem.side_data(index).into_iter().filter_map(|(_, e)| free(e));
-            all.extend(read.map(|e| (e, paths.clone())));
+            all.extend(read.map(|e| (e, paths_of(index))));
         }
+        all.extend(self.problem.jumps_of_ties().filter_map(|(side, _, e)| Some((free(e)?, paths_of(side)))));
         let germs_of = |name: &RandomName| match name {
             RandomName::Variable { germ, .. } => *germ..*germ + 1,
             RandomName::Field { field, first } => *first..*first + field.expansion.len(),

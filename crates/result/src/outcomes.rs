@@ -29,7 +29,11 @@ pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
         at,
         "young",
         &result.young,
-        &label("stress", "Young's modulus of each point, on grids its mean over the body", &["point"]),
+        &label(
+            "stress",
+            "Young's modulus of each point, of several bodies that of the first one with a random modulus, on grids its mean over the body",
+            &["point"],
+        ),
     )?;
     save_moments(at, "displacement", "length", "nodal displacement, component fastest", &result.displacement)?;
     if !result.stress_displacement.is_empty() {

@@ -139,6 +139,12 @@ impl SparsePolynomials {
         self.degrees.iter().map(|a| a.iter().zip(&one).map(|(&k, p)| p[k]).product()).collect()
     }
 
+    /// Variance Σ_(a ≠ 0) c_a² of the polynomials of the answers f(x_j).
+    pub fn variance(&self, answers: &[f64]) -> f64 {
+        let coefficient = |row: &Vec<f64>| row.iter().zip(answers).map(|(w, f)| w * f).sum::<f64>();
+        self.weighted.iter().skip(1).map(|row| coefficient(row).powi(2)).sum()
+    }
+
     /// θ_j with Σ_j θ_j f(x_j) the value of the polynomials at a germ.
     ///
     /// # Panics

@@ -237,7 +237,7 @@ fn distance(
         let nodal = |mesh: &Mesh, space: &Space| {
             let mut nodal = vec![0.0; space.dofs()];
             for piece in pieces(&scene.problem, mesh, space) {
-                let Some(own) = scene.particular_solution(piece.body, 1.0) else { continue };
+                let Some(own) = scene.particular_solution(piece.body) else { continue };
                 piece.own_mut(&mut nodal).copy_from_slice(&piece.space.interpolate(|x| own.displacement(x)));
             }
             nodal

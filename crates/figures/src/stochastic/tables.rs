@@ -149,7 +149,7 @@ pub fn lines(stored: &Record) -> Vec<String> {
 /// Whether the spread of a quantity is only rounding: then its quantiles are removed. Sparse grids and families of grids have
 /// none at all.
 pub(crate) fn is_constant(stored: &Record, quantity: &Quantity) -> bool {
-    quantity.quantiles.is_none() && !["sparse", "multilevel"].contains(&method(stored))
+    quantity.quantiles.is_none() && !["sparse", "corrected", "multilevel"].contains(&method(stored))
 }
 
 /// The warning if the truncation has not reached the tolerance.

@@ -22,7 +22,6 @@ pub(crate) fn interfaces(
     rows: &[ContactRow],
     located: Option<&[Located]>,
 ) -> Vec<InterfaceSummary> {
-    let trace = solved.trace();
     let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
     let normals = |interface: &Interface| {
         let joint = joints
@@ -31,11 +30,24 @@ pub(crate) fn interfaces(
         let Normals { angle, change } = data.normals(joint, solved.elastic_field());
         Some(NormalsSummary { angle, energy_change: change })
     };
-    let of = |interface: &Interface| match (&interface.law, &solved.contact) {
-        (Law::Contact(_), Some(contact)) => {
-            let told = of_contact(scene, trace, (interface, contact), rows, located);
-            InterfaceSummary { normals: normals(interface), ..told }
+    let mut told = interface_numbers(scene, solved, rows, located);
+    for (told, interface) in told.iter_mut().zip(scene.problem.joints()) {
+        if told.audit.is_some() {
+            told.normals = normals(interface);
         }
+    }
+    told
+}
+
+/// The same without what the directions of their sides say.
+pub(crate) fn interface_numbers(
+    scene: &Scene,
+    solved: &Solved,
+    rows: &[ContactRow],
+    located: Option<&[Located]>,
+) -> Vec<InterfaceSummary> {
+    let of = |interface: &Interface| match (&interface.law, &solved.contact) {
+        (Law::Contact(_), Some(contact)) => of_contact(scene, solved.trace(), (interface, contact), rows, located),
         _ => of_tie(scene, interface, &solved.ties),
     };
     scene.problem.joints().map(of).collect()

@@ -63,15 +63,14 @@ pub(crate) struct Particular {
 }
 
 impl Particular {
-    /// The particular solution of a body of the scene, times a factor; `stiffness` is the product with its S.
+    /// The particular solution of a body of the scene; `stiffness` is the product with its S.
     pub(crate) fn of_body(
         scene: &Scene,
         body: usize,
-        factor: f64,
         Piece { mesh, space, .. }: &Piece,
         stiffness: impl FnOnce(&[f64]) -> Vec<f64>,
     ) -> Option<Self> {
-        let solution = scene.particular_solution(body, factor)?;
+        let solution = scene.particular_solution(body)?;
         let held = |e: usize, i: usize| scene.problem.sides[mesh.side[e]].holds(i);
         let unbounded = scene.problem.bodies[body].far.is_some();
         Some(Self::new(solution, unbounded, mesh, space, held, stiffness))

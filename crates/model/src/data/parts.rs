@@ -1,6 +1,7 @@
 //! The bodies of a mesh one by one: the nodes and elements of each.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use faer::Mat;
 use steklov_algebra::{dot, solve_full_lu};
@@ -63,13 +64,16 @@ pub fn pieces(problem: &Problem, mesh: &Mesh, space: &Space) -> Vec<Piece> {
 }
 
 /// A body with the results of its assembly.
+#[derive(Clone)]
 pub struct Assembled {
     /// The body.
     pub piece: Piece,
     /// Length in the logarithm of the kernel.
     pub length: f64,
-    /// The map from displacements to tractions.
-    pub traction_map: TractionMap,
+    /// The map from displacements to tractions of the modulus of its assembly.
+    pub traction_map: Arc<TractionMap>,
+    /// Its modulus over that of its assembly.
+    pub modulus: f64,
     /// The motions that its supports leave free, for one of several bodies with curves: the part of them that nodal values
     /// miss does not resist them, and is no part of its displacement.
     pub(crate) turning: Vec<RigidMotion>,
@@ -80,6 +84,7 @@ pub struct Assembled {
 /// Motions that the supports of a body leave free and its nodal values represent: on soft springs they may be much larger than
 /// the displacements that strain it. The motion of a displacement u is the r with the smallest |u - r|² in the norm of σ + M,
 /// M that of springs: stiff springs then pull at little of u - r, whatever it is elsewhere.
+#[derive(Clone)]
 pub(crate) struct Carried {
     motions: Vec<RigidMotion>,
     /// (σ + M) r of their nodal values, over the square root of the energy of each.
@@ -127,6 +132,19 @@ fn sum_of(motions: &[RigidMotion], parts: &[f64]) -> RigidMotion {
 }
 
 impl Assembled {
+    /// The same body with another material of the same Poisson's ratio.
+    pub(crate) fn with_material(&self, material: Material) -> Self {
+        let modulus = self.modulus * material.young / self.piece.material.young;
+        Self { modulus, piece: Piece { material, ..self.piece.clone() }, ..self.clone() }
+    }
+
+    /// Legendre coefficients of the tractions of a nodal displacement of the body.
+    pub(crate) fn traction(&self, own: &[f64]) -> Vec<f64> {
+        let mut traction = self.traction_map.apply(own);
+        traction.iter_mut().for_each(|t| *t *= self.modulus);
+        traction
+    }
+
     /// Removes the motion that springs carry from a nodal displacement of the body, and returns it.
     pub(crate) fn settle(&self, own: &mut [f64]) -> Option<RigidMotion> {
         let motion = self.carried.as_ref()?.of(own);

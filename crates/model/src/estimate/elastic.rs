@@ -10,6 +10,7 @@
 //! energy of body and medium to all that has no jump of displacements.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, PairCache};
 use steklov_elastic::plane::{dot, solve2};
@@ -18,10 +19,21 @@ use crate::data::parts::Assembled;
 use crate::solve::body::{Body, Factors};
 
 /// The blocks that S₊ of the enriched spaces needs besides S, for bodies and for the medium around one.
+#[derive(Clone)]
 pub struct EnrichedBody {
-    /// Each body, its elements and its nodes.
-    bodies: Vec<(EnrichedSteklov, Range<usize>, Range<usize>)>,
-    outside: Option<EnrichedSteklov>,
+    bodies: Vec<EnrichedPiece>,
+    outside: Option<Arc<EnrichedSteklov>>,
+}
+
+/// One of the bodies.
+#[derive(Clone)]
+struct EnrichedPiece {
+    /// The operators of the modulus of its assembly.
+    enriched: Arc<EnrichedSteklov>,
+    /// Its modulus over that.
+    modulus: f64,
+    elements: Range<usize>,
+    nodes: Range<usize>,
 }
 
 impl EnrichedBody {
@@ -34,12 +46,19 @@ impl EnrichedBody {
         let outside =
             body.outside.as_ref().map(|outside| outside.enriched(&body.mesh, &body.space, cache)).transpose()?;
         let mut bodies = Vec::new();
-        for Assembled { piece, length, traction_map, .. } in &body.pieces {
+        for Assembled { piece, length, traction_map, modulus, .. } in &body.pieces {
             let enriched =
                 EnrichedSteklov::new(&piece.mesh, &piece.space, &piece.material, *length, traction_map, cache)?;
-            bodies.push((enriched, piece.elements.clone(), piece.nodes.clone()));
+            let (elements, nodes) = (piece.elements.clone(), piece.nodes.clone());
+            bodies.push(EnrichedPiece { enriched: Arc::new(enriched), modulus: *modulus, elements, nodes });
         }
-        Ok(Self { bodies, outside })
+        Ok(Self { bodies, outside: outside.map(Arc::new) })
+    }
+
+    /// The same operators with the moduli of a body.
+    pub(crate) fn with_moduli(&self, body: &Body) -> Self {
+        let of = |(own, piece): (&EnrichedPiece, &Assembled)| EnrichedPiece { modulus: piece.modulus, ..own.clone() };
+        Self { bodies: self.bodies.iter().zip(&body.pieces).map(of).collect(), outside: self.outside.clone() }
     }
 }
 
@@ -52,6 +71,8 @@ pub(crate) struct Elastic<'a> {
 /// A body or a medium.
 struct Part<'a> {
     enriched: &'a EnrichedSteklov,
+    /// The factor of its operators.
+    modulus: f64,
     /// Nodal displacement.
     u: &'a [f64],
     elements: Range<usize>,
@@ -72,8 +93,9 @@ impl Part<'_> {
 
 impl<'a> Elastic<'a> {
     pub(crate) fn new(enriched: &'a EnrichedBody, factors: &'a Factors) -> Self {
-        let of_body = |(enriched, elements, nodes): &'a (EnrichedSteklov, Range<usize>, Range<usize>)| Part {
+        let of_body = |EnrichedPiece { enriched, modulus, elements, nodes }: &'a EnrichedPiece| Part {
             enriched,
+            modulus: *modulus,
             u: &factors.homogeneous[2 * nodes.start..2 * nodes.end],
             elements: elements.clone(),
             nodes: nodes.clone(),
@@ -81,7 +103,14 @@ impl<'a> Elastic<'a> {
         let mut parts: Vec<Part<'a>> = enriched.bodies.iter().map(of_body).collect();
         let elements = parts.last().map_or(0, |part| part.elements.end);
         let outside = enriched.outside.as_ref().zip(factors.outside.as_deref());
-        parts.extend(outside.map(|(enriched, u)| Part { enriched, u, elements: 0..elements, nodes: 0..u.len() / 2 }));
+        let of_medium = |(enriched, u): (&'a Arc<EnrichedSteklov>, &'a [f64])| Part {
+            enriched,
+            modulus: 1.0,
+            u,
+            elements: 0..elements,
+            nodes: 0..u.len() / 2,
+        };
+        parts.extend(outside.map(of_medium));
         Self { parts, elements }
     }
 
@@ -89,7 +118,7 @@ impl<'a> Elastic<'a> {
     pub(crate) fn bubble_force(&self) -> Vec<f64> {
         let mut forces = vec![0.0; 2 * self.elements];
         for part in &self.parts {
-            add(&mut forces, 2 * part.elements.start, &part.enriched.bubble_force(part.u));
+            add(&mut forces, 2 * part.elements.start, part.modulus, &part.enriched.bubble_force(part.u));
         }
         forces
     }
@@ -117,7 +146,7 @@ impl<'a> Elastic<'a> {
             for (e, (indicator, rho)) in own.iter_mut().zip(residual.chunks_exact(2)).enumerate() {
                 let a = part.enriched.single_layer_block(e);
                 let rho = [rho[0], rho[1]];
-                *indicator += weight * dot(solve2(a, rho), rho).max(0.0);
+                *indicator += weight * part.modulus * dot(solve2(a, rho), rho).max(0.0);
             }
         }
         indicators
@@ -129,9 +158,9 @@ impl<'a> Elastic<'a> {
         let (mut all, mut gained) = (Enriched { base: vec![0.0; 2 * nodes], extra: vec![0.0; 2 * self.elements] }, 0.0);
         for part in &self.parts {
             let excess = part.enriched.excess(part.u);
-            gained += part.u.iter().zip(&excess.base).map(|(u, s)| u * s).sum::<f64>();
-            add(&mut all.base, 2 * part.nodes.start, &excess.base);
-            add(&mut all.extra, 2 * part.elements.start, &excess.extra);
+            gained += part.modulus * part.u.iter().zip(&excess.base).map(|(u, s)| u * s).sum::<f64>();
+            add(&mut all.base, 2 * part.nodes.start, part.modulus, &excess.base);
+            add(&mut all.extra, 2 * part.elements.start, part.modulus, &excess.extra);
         }
         (all, gained)
     }
@@ -141,9 +170,11 @@ impl<'a> Elastic<'a> {
         let mut all = Enriched { base: base_force, extra: vec![0.0; v.extra.len()] };
         for part in &self.parts {
             let own = Enriched { base: part.base(&v.base).to_vec(), extra: part.extra(&v.extra).to_vec() };
-            let Enriched { base, extra } = part.enriched.multiply(&own, part.base(&all.base));
-            all.base[2 * part.nodes.start..2 * part.nodes.end].copy_from_slice(&base);
-            add(&mut all.extra, 2 * part.elements.start, &extra);
+            let base_force: Vec<f64> = part.base(&all.base).iter().map(|f| f / part.modulus).collect();
+            let Enriched { base, extra } = part.enriched.multiply(&own, &base_force);
+            let of_part = all.base[2 * part.nodes.start..2 * part.nodes.end].iter_mut();
+            of_part.zip(base).for_each(|(all, own)| *all = part.modulus * own);
+            add(&mut all.extra, 2 * part.elements.start, part.modulus, &extra);
         }
         all
     }
@@ -160,12 +191,15 @@ impl<'a> Elastic<'a> {
 
     fn block(&self, e: usize, of: impl Fn(&EnrichedSteklov, usize) -> [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         let here = self.parts.iter().filter(|part| part.elements.contains(&e));
-        let blocks = here.map(|part| of(part.enriched, e - part.elements.start));
+        let blocks = here.map(|part| {
+            let block = of(part.enriched, e - part.elements.start);
+            block.map(|row| row.map(|entry| part.modulus * entry))
+        });
         blocks.fold([[0.0; 2]; 2], |sum, a| [0, 1].map(|i| [0, 1].map(|j| sum[i][j] + a[i][j])))
     }
 }
 
-/// Adds a part to all, from a place on.
-fn add(all: &mut [f64], first: usize, part: &[f64]) {
-    all[first..].iter_mut().zip(part).for_each(|(a, b)| *a += b);
+/// Adds a part times a factor to all, from a place on.
+fn add(all: &mut [f64], first: usize, factor: f64, part: &[f64]) {
+    all[first..].iter_mut().zip(part).for_each(|(a, b)| *a += factor * b);
 }

@@ -162,7 +162,7 @@ pub fn estimate(
         indicators[e].oscillation += energy;
     }
     let overlaps = hidden_overlaps(&data, (solved, &body.joints), scale, &closed, &mut indicators);
-    let residuals = if has_residuals(scene) { data.all_residuals(solved, 1.0)? } else { Vec::new() };
+    let residuals = if has_residuals(scene) { data.all_residuals(solved)? } else { Vec::new() };
 
     let (gained, squared, correction) = correction(body, &elastic, factors, (&frames, &of_springs), &residual)?;
 

@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use steklov_bem_operators::{BoundaryResidual, Datum, Look, Site, boundary_residuals_of};
-use steklov_contact::{ContactResidual, ContactSolution, Multiplier, SideData, contact_residuals_of};
+use steklov_bem_operators::{BoundaryResidual, Look, Site, boundary_residuals_of};
+use steklov_contact::{ContactResidual, ContactSolution, Multiplier, contact_residuals_of};
 use steklov_problem::Scene;
 
-use crate::data::on_mesh::{AtSites, OnMesh};
+use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
 use crate::estimators::{Estimator, ON_BOUNDARY, STABILISATION};
 use crate::solve::solution::Solved;
@@ -86,14 +86,12 @@ pub fn estimator(residuals: &[Residual], solved: &Solved) -> Estimator {
 }
 
 impl OnMesh<'_> {
-    /// Residuals of all elements, with the part of held displacements that the nodes miss. For random input `solved` is the
-    /// answer with the nominal modulus to an outcome, and `modulus` is the modulus of the outcome over the nominal one;
-    /// elsewhere it is 1.
+    /// Residuals of all elements, with the part of held displacements that the nodes miss.
     ///
     /// # Errors
     /// Data that are not finite.
-    pub fn all_residuals(&self, solved: &Solved, modulus: f64) -> Result<Vec<Residual>, SolveError> {
-        let mut residuals = self.residuals(solved, 0..self.mesh.len(), (Look::Close, modulus))?;
+    pub fn all_residuals(&self, solved: &Solved) -> Result<Vec<Residual>, SolveError> {
+        let mut residuals = self.residuals(solved, 0..self.mesh.len(), Look::Close)?;
         for (e, oscillation) in self.held_oscillation(&solved.particular)? {
             residuals[e].held += self.material_of(e).plane_modulus() / 2.0 * oscillation;
         }
@@ -105,14 +103,14 @@ impl OnMesh<'_> {
         &self,
         solved: &Solved,
         elements: Range<usize>,
-        (look, modulus): (Look, f64),
+        look: Look,
     ) -> Result<Vec<Residual>, SolveError> {
         let body = solved.particular.of(0);
         let traction = |site: &Site| -> [Option<f64>; 2] {
             let e = site.element;
             let given = self.given_traction(e, site.t, solved.on_boundary(e, site.t).0);
             let particular = body.map_or([0.0; 2], |b| b.traction(site.point, self.mesh.normal(e, site.t)));
-            [0, 1].map(|i| given[i].map(|t| t / modulus - particular[i]))
+            [0, 1].map(|i| given[i].map(|t| t - particular[i]))
         };
         let first = elements.start;
         let boundary = boundary_residuals_of(self.mesh, solved.field.of_body(0), &traction, elements.clone(), look)?;
@@ -130,24 +128,11 @@ impl OnMesh<'_> {
                 field: solved.field.of_body(0),
                 body_force: body,
             };
-            let contact = self.with_contact_data(&[], |sides| {
-                let bounds: Vec<_> = sides.iter().map(|side| side.bound.map(|bound| scaled(bound, modulus))).collect();
-                let mut nominal: Vec<SideData<'_>> = Vec::with_capacity(sides.len());
-                for (side, value) in sides.iter().zip(&bounds) {
-                    let bound = side.bound.zip(value.as_deref()).map(|(bound, value)| Datum { value, ..bound });
-                    nominal.push(SideData { bound, ..*side });
-                }
-                contact_residuals_of(&solution, &nominal, elements, look)
-            });
+            let contact = self.with_contact_data(&[], |sides| contact_residuals_of(&solution, sides, elements, look));
             for residual in contact? {
                 residuals[residual.element - first].contact = residual;
             }
         }
         Ok(residuals)
     }
-}
-
-/// A friction bound over a modulus.
-fn scaled(bound: Datum<'_>, modulus: f64) -> AtSites<'_> {
-    Box::new(move |site| (bound.value)(site) / modulus)
 }

@@ -40,7 +40,7 @@ fn leaves_less(scene: &Scene, solved: &Solved, error: f64) -> Result<bool, Solve
     let mut left = 0.0;
     for start in (0..mesh.len()).step_by(GROUP) {
         let group = start..(start + GROUP).min(mesh.len());
-        left += data.residuals(solved, group, (Look::Quick, 1.0))?.iter().map(Residual::total).sum::<f64>();
+        left += data.residuals(solved, group, Look::Quick)?.iter().map(Residual::total).sum::<f64>();
         if left.sqrt() > error {
             return Ok(false);
         }

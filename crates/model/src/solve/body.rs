@@ -18,6 +18,7 @@ use crate::error::SolveError;
 use crate::solve::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
 use crate::solve::equilibrium::{Equations, Residual, reactions};
 use crate::solve::fields::Field;
+use crate::solve::free_bodies::Loose;
 use crate::solve::inclusion::Outside;
 use crate::solve::solution::{Seconds, Solved, TieRow};
 use crate::solve::stabilised::StabilisedContact;
@@ -47,8 +48,10 @@ pub struct Body {
     pub springs: Springs,
     /// Largest entry of the diagonal of S without them.
     pub(crate) largest_diagonal: f64,
-    /// Rigid motions that nothing resists and no load drives.
+    /// Rigid motions of a single body that nothing resists and no load drives.
     pub free: Vec<RigidMotion>,
+    /// The same of all bodies, nodal vectors.
+    pub(crate) loose: Loose,
 }
 
 /// The loads and supports that act on a body.
@@ -114,6 +117,31 @@ pub struct Factors {
 }
 
 impl Body {
+    /// The same bodies with the moduli of a scene that differs from theirs in nothing else; no body is factorised again. Springs
+    /// and a medium around the body stay as they are: scenes with them have no random modulus.
+    pub(crate) fn with_moduli(&self, scene: &Scene) -> Result<Self, SolveError> {
+        let of = |body: &Assembled| body.with_material(scene.problem.bodies[body.piece.body].material());
+        let pieces: Vec<Assembled> = self.pieces.iter().map(of).collect();
+        let factors: Vec<f64> = pieces.iter().map(|body| body.modulus).collect();
+        let condensation = self.condensation.with_moduli(&factors)?;
+        let stiffness = if self.stiffness.nrows() > 0 { condensation.stiffness()? } else { Mat::new() };
+        Ok(Self {
+            largest_diagonal: condensation.largest_diagonal(),
+            mesh: self.mesh.clone(),
+            space: self.space.clone(),
+            pieces,
+            condensation,
+            outside: None,
+            stiffness,
+            joints: self.joints.clone(),
+            tied: self.tied.clone(),
+            held: self.held.clone(),
+            springs: self.springs.clone(),
+            free: self.free.clone(),
+            loose: self.loose.clone(),
+        })
+    }
+
     /// The elastic field of a nodal displacement.
     pub fn field(&self, displacement: &[f64]) -> Field {
         let of = |body: &Assembled| {
@@ -124,7 +152,7 @@ impl Body {
             if let Some(motion) = &motion {
                 own.iter_mut().zip(motion.nodal(&piece.space.points)).for_each(|(u, r)| *u -= r);
             }
-            let traction = traction_map.apply(&own);
+            let traction = body.traction(&own);
             let field = BoundaryField::new(&piece.mesh, &piece.space, &piece.material, &own, &traction, *length);
             let field = field.tending_to(traction_map.at_infinity(&own)).moved(RigidMotion::sum(carried, motion));
             (piece.elements.clone(), field)
@@ -167,7 +195,7 @@ impl Body {
 
     /// Tractions of a nodal displacement, Legendre coefficients as the space numbers them.
     pub fn traction(&self, displacement: &[f64]) -> Vec<f64> {
-        self.pieces.iter().flat_map(|a| a.traction_map.apply(a.piece.own(displacement))).collect()
+        self.pieces.iter().flat_map(|body| body.traction(body.piece.own(displacement))).collect()
     }
 
     /// The answer to the loads on the body; `solve` solves the condensed contact problem. No times are measured.

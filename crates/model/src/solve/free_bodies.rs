@@ -13,14 +13,14 @@ use steklov_bem_operators::Relative;
 use steklov_elastic::RigidMotion;
 
 use crate::data::joints::{Joint, TiedNode};
-use crate::data::motions::nodal_work;
+use crate::data::motions::{nodal_work, unresisted};
 use crate::data::on_mesh::OnMesh;
 use crate::data::parts::Assembled;
 use crate::data::springs::Springs;
-use crate::data::supports::Supports;
+use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
 use crate::solve::body::Loading;
-use crate::solve::rotations::{missed, rigid_load};
+use crate::solve::rotations::{missed, project_load_off, rigid_load};
 
 /// Squared part of a constraint below which a motion does not meet it.
 const RANK: f64 = 1e-13;
@@ -42,6 +42,13 @@ pub(crate) struct Loose {
     pub(crate) rotations: Vec<(usize, Vec<f64>)>,
 }
 
+impl Loose {
+    /// How many there are.
+    pub(crate) fn count(&self) -> usize {
+        self.motions.len() + self.rotations.len()
+    }
+}
+
 /// A rigid motion of a body.
 type Motion = (usize, RigidMotion);
 
@@ -55,12 +62,49 @@ struct Constraints {
 }
 
 impl OnMesh<'_> {
+    /// The motions that neither supports nor interfaces resist and no load may drive, as rigid motions of a single body and as
+    /// nodal vectors. The part of the load on those that nodal values miss on curves is taken out of it.
+    ///
+    /// # Errors
+    /// [`SolveError::Loose`], for a single body [`ContactError::Inconsistent`](steklov_contact::ContactError) or
+    /// [`SolveError::Bem`]: loads drive a motion.
+    pub(crate) fn unresisted_motions(
+        &self,
+        bodies: &[Assembled],
+        (joints, tied): (&[Joint], &[TiedNode]),
+        (held, springs): (&[Held], &Springs),
+        given: &mut Loading,
+    ) -> Result<(Vec<RigidMotion>, Loose), SolveError> {
+        let supports = Supports { space: self.space, held };
+        if bodies.len() > 1 {
+            let loose = self.loose_motions(bodies, joints, (&supports, springs), given, tied)?;
+            if bodies.iter().any(|body| !body.turning.is_empty()) {
+                project_load_off(&mut given.load, &loose.motions);
+            }
+            for (body, rotation) in &loose.rotations {
+                project_load_off(bodies[*body].piece.own_mut(&mut given.load), std::slice::from_ref(rotation));
+            }
+            return Ok((Vec::new(), loose));
+        }
+        let candidates = self.scene.unresisted(0, supports.free_motions(springs.resisted(|_| true)));
+        let missed = missed(self.mesh, self.space, &candidates);
+        let free = match rigid_load(self, given, bodies, missed)? {
+            None => unresisted(&self.space.points, &given.load, given.boundary.as_ref(), &candidates)?,
+            Some((space, load)) => unresisted(&space.points, &load, given.boundary.as_ref(), &candidates)?,
+        };
+        let motions: Vec<Vec<f64>> = free.iter().map(|motion| motion.nodal(&self.space.points)).collect();
+        if missed > 0.0 {
+            project_load_off(&mut given.load, &motions);
+        }
+        Ok((free, Loose { motions, rotations: Vec::new() }))
+    }
+
     /// The motions that move bodies without a held displacement, a tie, an approach or, with friction, a slip
     /// of a contact; no load may do work on them.
     ///
     /// # Errors
     /// [`SolveError::Loose`].
-    pub(crate) fn loose_motions(
+    fn loose_motions(
         &self,
         bodies: &[Assembled],
         joints: &[Joint],

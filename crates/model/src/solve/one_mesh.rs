@@ -1,5 +1,6 @@
 //! One mesh solved: operators, Steklov-Poincaré matrix, supports, contact, energies, reactions.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use faer::{Col, Mat};
@@ -9,8 +10,7 @@ use steklov_elastic::RigidMotion;
 use steklov_problem::{Multiplier, Scene};
 
 use crate::data::body_load::Particular;
-use crate::data::joints::{Joint, TiedNode};
-use crate::data::motions::unresisted;
+use crate::data::joints::TiedNode;
 use crate::data::on_mesh::OnMesh;
 use crate::data::parts::{Assembled, Carried, pieces};
 use crate::data::springs::Springs;
@@ -21,7 +21,7 @@ use crate::solve::body::{Body, Factors, Loading};
 use crate::solve::contact_solver::solve_problem;
 use crate::solve::free_bodies::Loose;
 use crate::solve::inclusion::Outside;
-use crate::solve::rotations::{missed, project_load_off, project_off, rigid_load};
+use crate::solve::rotations::{missed, project_off};
 use crate::solve::solution::{Seconds, Solved};
 use crate::solve::stabilised::{self, StabilisedContact, solve_stabilised};
 use crate::solve::thin::without_digits;
@@ -31,7 +31,7 @@ use crate::stage::Stage;
 fn particular(scene: &Scene, bodies: &[Assembled], matrices: &[Mat<f64>]) -> Vec<Option<Particular>> {
     let of = |(k, (body, matrix)): (usize, (&Assembled, &Mat<f64>))| {
         let product = |u: &[f64]| (matrix * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
-        Particular::of_body(scene, k, 1.0, &body.piece, product)
+        Particular::of_body(scene, k, &body.piece, product)
     };
     bodies.iter().zip(matrices).enumerate().map(of).collect()
 }
@@ -53,21 +53,6 @@ fn partition(
     };
     let of_contact = boundary.iter().flat_map(|boundary| &boundary.rows).map(|row| row.relative.clone());
     (partition, of_contact.chain(tied.iter().map(|tied| tied.relative.clone())).collect())
-}
-
-/// The motions that neither supports nor contact resist.
-fn free_motions(
-    data: &OnMesh<'_>,
-    given: &Loading,
-    bodies: &[Assembled],
-    candidates: &[RigidMotion],
-    missed: f64,
-) -> Result<Vec<RigidMotion>, SolveError> {
-    let boundary = given.boundary.as_ref();
-    match rigid_load(data, given, bodies, missed)? {
-        None => unresisted(&data.space.points, &given.load, boundary, candidates),
-        Some((space, load)) => unresisted(&space.points, &load, boundary, candidates),
-    }
 }
 
 /// S of every body, and the other results of its assembly.
@@ -94,58 +79,35 @@ fn assemble(
         observe(Stage::Progress("Steklov-Poincaré matrix", 0.05 + 0.7 * share * (k as f64 + 0.35)))?;
         let Steklov { matrix, traction: traction_map } = Steklov::new(operators, scene.domain(k))?;
         matrices.push(matrix);
-        bodies.push(Assembled { piece, length, traction_map, turning: Vec::new(), carried: None });
+        let traction_map = Arc::new(traction_map);
+        bodies.push(Assembled { piece, length, traction_map, modulus: 1.0, turning: Vec::new(), carried: None });
         seconds.factorise += clock.elapsed().as_secs_f64();
     }
     Ok((matrices, bodies))
 }
 
-/// The motions that neither supports nor interfaces resist, as rigid motions of a single body and as nodal vectors. The part
-/// of rotations that nodal values miss on curves is taken out of the matrices, so that it does not resist them.
-fn unresisted_motions(
+/// Takes the part of rotations that nodal values miss on curves out of the matrices, so that it does not resist them.
+fn release_rotations(
     data: &OnMesh<'_>,
     bodies: &mut [Assembled],
-    (joints, tied): (&[Joint], &[TiedNode]),
     (held, springs): (&[Held], &Springs),
     matrices: &mut [Mat<f64>],
-    given: &mut Loading,
-) -> Result<(Vec<RigidMotion>, Loose), SolveError> {
-    let space = data.space;
-    let supports = Supports { space, held };
-    Ok(match bodies {
-        [_] => {
-            let candidates = data.scene.unresisted(0, supports.free_motions(springs.resisted(|_| true)));
-            let missed = missed(data.mesh, space, &candidates);
-            let free = free_motions(data, given, bodies, &candidates, missed)?;
-            let motions = nodal(&free, space);
-            if missed > 0.0 {
-                project_off(&mut matrices[0], &nodal(&candidates, space));
-                project_load_off(&mut given.load, &motions);
-            }
-            (free, Loose { motions, rotations: Vec::new() })
+) {
+    let several = bodies.len() > 1;
+    for (k, (body, matrix)) in bodies.iter_mut().zip(matrices).enumerate() {
+        let Assembled { piece, turning, .. } = body;
+        let of_piece = Supports { space: &piece.space, held: &held[piece.nodes.clone()] };
+        let resisted = springs.resisted(|e| piece.elements.contains(&e));
+        let candidates = data.scene.unresisted(k, of_piece.free_motions(resisted));
+        let is_medium = data.scene.problem.bodies[piece.body].far.is_some();
+        if several && is_medium || missed(&piece.mesh, &piece.space, &candidates) == 0.0 {
+            continue;
         }
-        bodies => {
-            let bounded = |body: &Assembled| data.scene.problem.bodies[body.piece.body].far.is_none();
-            for (Assembled { piece, turning, .. }, matrix) in
-                bodies.iter_mut().zip(matrices).filter(|(body, _)| bounded(body))
-            {
-                let of_piece = Supports { space: &piece.space, held: &held[piece.nodes.clone()] };
-                let candidates = of_piece.free_motions(springs.resisted(|e| piece.elements.contains(&e)));
-                if missed(&piece.mesh, &piece.space, &candidates) > 0.0 {
-                    project_off(matrix, &nodal(&candidates, &piece.space));
-                    *turning = candidates;
-                }
-            }
-            let loose = data.loose_motions(bodies, joints, (&supports, springs), given, tied)?;
-            if bodies.iter().any(|body| !body.turning.is_empty()) {
-                project_load_off(&mut given.load, &loose.motions);
-            }
-            for (body, rotation) in &loose.rotations {
-                project_load_off(bodies[*body].piece.own_mut(&mut given.load), std::slice::from_ref(rotation));
-            }
-            (Vec::new(), loose)
+        project_off(matrix, &nodal(&candidates, &piece.space));
+        if several {
+            *turning = candidates;
         }
-    })
+    }
 }
 
 /// Contact with stabilised multipliers; `candidates` are the motions that neither supports nor springs resist.
@@ -254,8 +216,8 @@ pub fn solve(
     }
 
     observe(Stage::Progress("condensation", 0.75))?;
-    let (free, loose) =
-        unresisted_motions(&data, &mut bodies, (&joints, &tied), (&held, &springs), &mut matrices, &mut given)?;
+    release_rotations(&data, &mut bodies, (&held, &springs), &mut matrices);
+    let (free, loose) = data.unresisted_motions(&bodies, (&joints, &tied), (&held, &springs), &mut given)?;
     let (partition, rows) = partition(given.boundary.as_ref(), &supports, &tied);
     if given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised {
         let candidates = scene.unresisted(0, supports.free_motions(springs.resisted(|_| true)));
@@ -283,6 +245,7 @@ pub fn solve(
         springs,
         largest_diagonal,
         free,
+        loose,
     };
     let (mut solved, factors) =
         body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;

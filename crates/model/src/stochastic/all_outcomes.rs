@@ -51,17 +51,19 @@ pub fn solve_stochastic(
             of_surrogate(scene, random, &surrogate, &outcomes, &watch, observe)?
         }
         Sampling::Multilevel => return Err(scene.no_family_of_grids().into()),
-        Sampling::Sparse | Sampling::MonteCarlo => {
+        Sampling::Sparse | Sampling::Corrected | Sampling::MonteCarlo => {
             let answer = |germs: &[f64], warm: &mut Option<Solution>| outcomes.answer(germs, warm);
             let (numbers, data) = (&outcomes.numbers[..], &outcomes.data);
-            OneByOne { numbers, data, answer: &answer, block: BLOCK }.solve(random, &watch, observe)?
+            let one_by_one = OneByOne { numbers, scales: &scales, data, answer: &answer, block: BLOCK };
+            one_by_one.solve(random, &watch, observe)?
         }
     };
     if has_residuals(scene) {
         result.estimator = Some(mean_estimator(scene, random, &outcomes, result.truncation)?);
     }
     finish(scene, random, &mut result, &scales);
-    result.young.iter_mut().for_each(|e| *e *= scene.body().material().young);
+    let young = scene.problem.bodies[random.constants.first_young()].material().young;
+    result.young.iter_mut().for_each(|e| *e *= young);
     result.seconds = clock.elapsed().as_secs_f64();
     Ok(result)
 }
@@ -75,12 +77,13 @@ pub(super) fn scales(scene: &Scene, numbers: &[Number], nominal: &Summary) -> Re
         return Err(scene.quantity_error(&number.path).into());
     }
     let size = |path: &String| Number::new(path).map_or(f64::NAN, |number| number.of(nominal).abs());
-    let forces = nominal.reactions.values().chain(nominal.contact.as_ref().map(|contact| &contact.force)).flatten();
-    let force = forces.fold(0.0, |most: f64, force| most.max(force.abs()));
+    let of_contact = nominal.contact.as_ref().map(|contact| &contact.force);
+    let forces = nominal.reactions.values().chain(of_contact).chain(nominal.interfaces.iter().map(|i| &i.force));
+    let force = forces.flatten().fold(0.0, |most: f64, force| most.max(force.abs()));
     let scale = |number: &Number| {
         let own = of_one_scale(&number.path).iter().map(size).fold(0.0, f64::max);
         // a side may carry nothing
-        let is_force = ["reactions.", "contact.force."].iter().any(|start| number.path.starts_with(start));
+        let is_force = number.path.starts_with("reactions.") || number.path.contains(".force.");
         if is_force { own.max(force) } else { own }
     };
     Ok(numbers.iter().map(scale).collect())

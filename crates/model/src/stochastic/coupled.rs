@@ -14,11 +14,10 @@ use steklov_contact::{Outcome, Solution};
 use steklov_problem::Scene;
 use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds, tensor_active_set};
 
-use super::outcomes::{Answer, Outcomes};
+use super::outcomes::{Answer, Given, Outcomes};
 use super::result::Watch;
 use crate::error::SolveError;
-use crate::solve::body::Loading;
-use crate::solve::contact_rows::ContactRow;
+use crate::solve::contact_rows::{ContactRow, contact_rows};
 use crate::solve::solution::Solved;
 use crate::summary::Summary;
 
@@ -42,22 +41,20 @@ pub(crate) fn solve_cell(
     let factor = llt(&mass).map_err(|none| none.or(|_| StochasticError::Decomposition { size }))?;
     let weights = Mat::from_fn(size, size, |j, k| if j == k { basis.weights[j] } else { 0.0 });
     let mixing = factor.solve(weights.as_ref()); // M_E⁻¹ D
-    let mut given: Vec<(Scene, f64, Loading)> = Vec::with_capacity(size);
+    let mut given: Vec<Given> = Vec::with_capacity(size);
     for point in &basis.points {
         watch.check()?;
         given.push(outcomes.given(point)?);
     }
-    // the outcomes' own loads and bounds, which `given` has divided by the modulus of the node
-    let modulus: Vec<f64> = given.iter().map(|g| g.1).collect();
     let mixed = |values: &dyn Fn(usize) -> Vec<f64>| -> Vec<Vec<f64>> {
         let all: Vec<Vec<f64>> = (0..size).map(values).collect();
         let entry = |j: usize, i: usize| (0..size).map(|k| mixing[(j, k)] * all[k][i]).sum();
         (0..size).map(|j| (0..all[0].len()).map(|i| entry(j, i)).collect()).collect()
     };
-    let loads = mixed(&|k| given[k].2.load.iter().map(|f| f * modulus[k]).collect());
-    let contact = given[0].2.boundary.is_some();
+    let loads = mixed(&|k| given[k].loading.load.clone());
+    let contact = given[0].loading.boundary.is_some();
     let condensed: Vec<Vec<f64>> =
-        (0..size).map(|j| outcomes.body.condensation.load_held(&loads[j], &given[j].2.held).kept).collect();
+        (0..size).map(|j| outcomes.body.condensation.load_held(&loads[j], &given[j].loading.held).kept).collect();
     let mut solutions: Vec<Option<NodeSolution>> = (0..size).map(|_| None).collect();
     let mut physical = vec![Vec::new(); size];
     if contact {
@@ -65,14 +62,8 @@ pub(crate) fn solve_cell(
         let load = Mat::from_fn(condensed[0].len(), size, |i, j| {
             (0..size).map(|k| mass[(j, k)] * condensed[k][i]).sum::<f64>()
         });
-        let nodes: Vec<_> = given
-            .iter()
-            .map(|(_, e, g)| {
-                let mut nodes = g.boundary.as_ref().map_or(Vec::new(), |b| b.contact.clone());
-                scale_bounds(&mut nodes, *e);
-                nodes
-            })
-            .collect();
+        let of_outcome = |g: &Given| g.loading.boundary.as_ref().map_or(Vec::new(), |b| b.contact.clone());
+        let nodes: Vec<_> = given.iter().map(of_outcome).collect();
         let stiffness = &outcomes.body.stiffness;
         let problem = TensorProblem { stiffness, mass: &mass, weights: &basis.weights, load: &load, nodes: &nodes };
         let solved = tensor_active_set(&problem)?;
@@ -89,29 +80,38 @@ pub(crate) fn solve_cell(
         physical.clone_from(&solved.multipliers);
     }
     let mut nodes = Vec::with_capacity(size);
-    for (j, (scene, e, mut given)) in given.into_iter().enumerate() {
+    for (j, Given { scene, mut loading, .. }) in given.into_iter().enumerate() {
         watch.check()?;
-        given.load.clone_from(&loads[j]);
-        given.liftable = false; // the nodes are solved at once
-        let (solved, _) = outcomes.body.answer(&scene, given, &mut |problem| {
+        let modulus = modulus(&basis.points[j]);
+        // the answer is that of the nominal modulus
+        loading.loads.scale(1.0 / modulus);
+        loading.boundary.iter_mut().for_each(|boundary| scale_bounds(&mut boundary.contact, 1.0 / modulus));
+        loading.load.clone_from(&loads[j]);
+        loading.liftable = false; // the nodes are solved at once
+        let (solved, _) = outcomes.body.answer(&scene, loading, &mut |problem| {
             let NodeSolution { displacement, multipliers, outcome, history } =
                 solutions[j].take().unwrap_or_else(|| unreachable!("contact is solved for every node"));
             Ok(Solution::new(problem, displacement, multipliers, outcome, history))
         })?;
-        let multipliers = contact.then_some(physical[j].as_slice());
-        let (rows, figures) = outcomes.figures(&scene, &solved, e, multipliers);
+        let mut rows = solved.contact.as_ref().map_or(Vec::new(), |contact| contact_rows(solved.trace(), contact));
+        for (row, &[pressure, shear]) in rows.iter_mut().zip(&physical[j]) {
+            *row = ContactRow { pressure, shear, bound: row.bound * modulus, ..*row };
+        }
+        let figures = outcomes.figures(&scene, &solved, &rows);
         let stiff = outcomes.body.condensation.multiply(&solved.displacement);
-        nodes.push(Node { scene, solved, modulus: e, rows, figures, stiff });
+        nodes.push(Node { scene, solved, modulus, rows, figures, stiff });
     }
     let share = |j: usize, k: usize| mass[(j, k)] / basis.weights[j];
     Ok((0..size).map(|j| projected(outcomes, &nodes, j, &|k| share(j, k), &physical[j])).collect())
 }
 
-/// A node's answer of the nominal modulus, and its numbers with the node's own modulus.
+/// A node's answer of the nominal modulus.
 struct Node {
     scene: Scene,
     solved: Solved,
+    /// E/E₀ of the node.
     modulus: f64,
+    /// Its contact with the stresses of the Galerkin solution.
     rows: Vec<ContactRow>,
     figures: Summary,
     /// S u.
@@ -131,13 +131,15 @@ fn projected(
     let sum = |value: &dyn Fn(&Node) -> f64| nodes.iter().enumerate().map(|(k, n)| share(k) * value(n)).sum::<f64>();
     let mut figures = own.figures.clone();
     for (side, force) in &mut figures.reactions {
-        *force = [0, 1].map(|i| sum(&|n| n.figures.reactions[side][i] / n.modulus));
+        *force = [0, 1].map(|i| sum(&|n| n.figures.reactions[side][i]));
     }
     for (p, probe) in figures.probe.iter_mut().enumerate() {
-        probe.stress = [0, 1, 2].map(|i| sum(&|n| n.figures.probe[p].stress[i] / n.modulus));
+        probe.stress = [0, 1, 2].map(|i| sum(&|n| n.figures.probe[p].stress[i]));
     }
     let u = &own.solved.displacement;
     figures.strain_energy = 0.5 * sum(&|n| n.stiff.iter().zip(u).map(|(s, u)| s * u).sum());
+    figures.load_work *= own.modulus;
+    figures.friction_work *= own.modulus;
     figures.energy = figures.strain_energy - figures.load_work + figures.friction_work;
     if let (Some(contact), Some(figures_of_contact)) = (&own.solved.contact, &mut figures.contact) {
         let mut total = [0.0; 2];
@@ -148,7 +150,7 @@ fn projected(
         }
         figures_of_contact.force = total;
     }
-    let mut answer = outcomes.kept(&own.solved, own.modulus, &own.rows, &figures);
+    let mut answer = outcomes.kept(&own.scene, &own.solved, &own.rows, &figures);
     answer.stressed = (0..u.len()).map(|i| sum(&|n| n.solved.displacement[i])).collect();
     answer
 }

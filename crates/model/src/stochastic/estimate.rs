@@ -5,11 +5,12 @@ use steklov_problem::{Random, Scene};
 use steklov_stochastic::{CellBasis, Nodes, StochasticMesh, Variable, latin_hypercube, sample};
 
 use super::jumps::split_at_cuts;
-use super::outcomes::Outcomes;
+use super::outcomes::{Given, Outcomes};
 use crate::data::on_mesh::OnMesh;
+use crate::doubt::Doubt;
 use crate::error::SolveError;
 use crate::estimate::elastic::EnrichedBody;
-use crate::estimate::error_estimate::{Bubble, Estimate, estimate};
+use crate::estimate::error_estimate::{Bubble, Estimate, ROUNDOFF, estimate};
 use crate::estimators::{Estimator, ON_BOUNDARY, TRUNCATION};
 use crate::solve::body::{Body, Factors};
 use crate::solve::solution::Solved;
@@ -22,6 +23,10 @@ const BESIDE: usize = 8;
 /// Ratio of the mean square error of these samples to that of the values from which on the samples count: smaller ratios are
 /// their own spread.
 const OVERLOOKED: f64 = 2.25;
+/// Probability beyond the ends of germs whose outcomes count too, with this weight: the mean may have its energy there alone.
+const RARE: f64 = 1e-3;
+/// Part of an energy norm below which the energy of an outcome is none.
+const NO_ENERGY: f64 = 1e-3;
 /// Seed of these samples: not the scene's, which must not move the mesh that they refine.
 const SEED: u64 = 1;
 
@@ -37,14 +42,15 @@ pub(crate) fn mean_estimate(
     let outcomes = Outcomes::new(scene, random, body)?;
     mean_over(scene, random, |points, weights| {
         let mut mean = nominal.clone();
+        mean.doubts.retain(|doubt| *doubt != Doubt::Roundoff);
         let (mut error, mut scale) = (0.0, 0.0);
         mean.indicators.fill(Bubble::default());
         let mut warm: Option<Solution> = None;
         for (germs, weight) in points.iter().zip(weights) {
-            let (outcome, modulus, given) = outcomes.given(germs)?;
-            let (solved, factors) = outcomes.solved(&outcome, given, &mut warm)?;
-            let one = one(&outcome, &solved, body, enriched, &factors)?;
-            let weight = weight * modulus;
+            let Given { scene, body: own, loading } = outcomes.given(germs)?;
+            let body = own.as_ref().unwrap_or(body);
+            let (solved, factors) = outcomes.solved(&scene, body, loading, &mut warm)?;
+            let one = one(&scene, &solved, body, &enriched.with_moduli(body), &factors)?;
             error += weight * one.error * one.error;
             scale += weight * one.scale * one.scale;
             for (sum, b) in mean.indicators.iter_mut().zip(&one.indicators) {
@@ -60,6 +66,11 @@ pub(crate) fn mean_estimate(
         }
         (mean.error, mean.scale) = (error.sqrt(), scale.sqrt());
         mean.relative = if mean.error == 0.0 { 0.0 } else { mean.error / mean.scale };
+        // rounding of a mean outcome that has hardly any energy says nothing of the others
+        let counts = nominal.scale > NO_ENERGY * mean.scale && nominal.doubts.contains(&Doubt::Roundoff);
+        if (counts || mean.relative < ROUNDOFF) && !mean.doubts.contains(&Doubt::Roundoff) {
+            mean.doubts.push(Doubt::Roundoff);
+        }
         Ok((error, mean))
     })
 }
@@ -77,11 +88,10 @@ pub(super) fn mean_estimator(
         let (mut sums, mut scale) = ([0.0; ON_BOUNDARY.len()], 0.0);
         let mut warm: Option<Solution> = None;
         for (germs, weight) in points.iter().zip(weights) {
-            let (outcome, modulus, given) = outcomes.given(germs)?;
-            let (solved, _) = outcomes.solved(&outcome, given, &mut warm)?;
-            let data = OnMesh { scene: &outcome, mesh: &body.mesh, space: &body.space };
-            let weight = weight * modulus;
-            for residual in data.all_residuals(&solved, modulus)? {
+            let Given { scene, body: own, loading } = outcomes.given(germs)?;
+            let (solved, _) = outcomes.solved(&scene, own.as_ref().unwrap_or(body), loading, &mut warm)?;
+            let data = OnMesh { scene: &scene, mesh: &body.mesh, space: &body.space };
+            for residual in data.all_residuals(&solved)? {
                 sums.iter_mut().zip(residual.terms()).for_each(|(sum, term)| *sum += weight * term);
             }
             scale += weight * 2.0 * solved.energies.strain;
@@ -93,9 +103,9 @@ pub(super) fn mean_estimator(
     })
 }
 
-/// A mean over outcomes: those of the two-point Gauss rules of up to 4 germs, else 16 samples. Where data vanish at the points
-/// of the rules, q² - 1/3 of a uniform q, these see nothing: the mean of 8 samples of a Latin hypercube is taken where its
-/// squared error is much larger. `mean` of points and weights also gives the mean square error.
+/// A mean over outcomes: those of the two-point Gauss rules of up to 4 germs, else 16 samples, and the ends of the germs. Where
+/// data vanish at the points of the rules, q² - 1/3 of a uniform q, these see nothing: the mean of 8 samples of a Latin
+/// hypercube is taken where its squared error is much larger. `mean` of points and weights also gives the mean square error.
 fn mean_over<T>(
     scene: &Scene,
     random: &Random,
@@ -103,9 +113,16 @@ fn mean_over<T>(
 ) -> Result<T, SolveError> {
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
     let germs = variables.len();
+    let ends = ends(&variables, &random.nominal());
+    let mut with_ends = |mut points: Vec<Vec<f64>>, mut weights: Vec<f64>| {
+        points.extend(ends.iter().cloned());
+        weights.extend(ends.iter().map(|_| RARE));
+        mean(&points, &weights)
+    };
     if germs > FEW {
         let points: Vec<Vec<f64>> = (0..SAMPLES).map(|i| sample(&variables, SEED, i)).collect();
-        return Ok(mean(&points, &[1.0 / SAMPLES as f64; SAMPLES as usize])?.1);
+        let weights = vec![1.0 / SAMPLES as f64; points.len()];
+        return Ok(with_ends(points, weights)?.1);
     }
     let mut mesh = StochasticMesh::uniform(variables.clone(), &vec![1; germs], &vec![1; germs])?;
     split_at_cuts(&mut mesh, scene.cuts(random))?;
@@ -115,9 +132,30 @@ fn mean_over<T>(
         points.extend(basis.points);
         weights.extend(basis.weights);
     }
-    let (squared, of_rule) = mean(&points, &weights)?;
-    let (beside, of_samples) = mean(&latin_hypercube(&variables, BESIDE, SEED), &[1.0 / BESIDE as f64; BESIDE])?;
+    let (squared, of_rule) = with_ends(points, weights)?;
+    let samples = latin_hypercube(&variables, BESIDE, SEED);
+    let (beside, of_samples) = with_ends(samples, vec![1.0 / BESIDE as f64; BESIDE])?;
     Ok(if beside > OVERLOOKED * squared { of_samples } else { of_rule })
+}
+
+/// Each of a few germs alone at its ends, many of them all together.
+fn ends(variables: &[Variable], nominal: &[f64]) -> Vec<Vec<f64>> {
+    let end = |v: &Variable, high: bool| {
+        let bound = v.germ_support()[usize::from(high)];
+        let quantile = v.quantile(if high { 1.0 - RARE } else { RARE });
+        if bound.is_finite() { bound } else { quantile }
+    };
+    if variables.len() > FEW {
+        return [false, true].map(|high| variables.iter().map(|v| end(v, high)).collect()).to_vec();
+    }
+    let alone = |d: usize| {
+        [false, true].map(|high| {
+            let mut germs = nominal.to_vec();
+            germs[d] = end(&variables[d], high);
+            germs
+        })
+    };
+    (0..variables.len()).flat_map(alone).collect()
 }
 
 /// The estimate of one outcome, with its transitions inside elements.

@@ -83,6 +83,7 @@ pub fn method(method: Sampling) -> &'static str {
         Sampling::Galerkin => "galerkin",
         Sampling::Collocation => "collocation",
         Sampling::Sparse => "sparse",
+        Sampling::Corrected => "corrected",
         Sampling::MonteCarlo => "monte-carlo",
         Sampling::Multilevel => "multilevel",
     }

@@ -196,7 +196,7 @@ impl Levels<'_> {
 }
 
 /// Variance of values, as expected of samples.
-fn spread(count: usize, value: &dyn Fn(usize) -> f64) -> f64 {
+pub(super) fn spread(count: usize, value: &dyn Fn(usize) -> f64) -> f64 {
     let mean = (0..count).map(value).sum::<f64>() / count as f64;
     (0..count).map(|i| (value(i) - mean).powi(2)).sum::<f64>() / (count.max(2) - 1) as f64
 }
@@ -298,7 +298,8 @@ fn beside_coarsest(
     }
     let data = InGerms::new(scene, levels.random);
     let answer = |germs: &[f64], _: &mut Option<Solution>| levels.answer(levels.start, germs);
-    let one_by_one = OneByOne { numbers: levels.numbers, data: &data, answer: &answer, block: 1 };
+    let (numbers, scales) = (levels.numbers, levels.scales);
+    let one_by_one = OneByOne { numbers, scales, data: &data, answer: &answer, block: 1 };
     beside_samples(&mut coarsest, &one_by_one, levels.random, watch)?;
     (result.checks, result.unseen) = (coarsest.checks, coarsest.unseen);
     // errors that outcomes of other contact or data may have are not in the standard errors

@@ -23,18 +23,21 @@ const SHARE: f64 = 0.7;
 const ROUNDS: usize = 60;
 /// Largest deviation of the modulus from an affine function of its germs, relative, that rounding explains.
 const AFFINE: f64 = 1e-12;
+/// Truncations below this part of the energy norm are rounding.
+const ROUNDED: f64 = 1e-9;
 /// Number of places between the ends of a germ at which this is checked.
 const PLACES: usize = 12;
 
-/// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, supports
-/// hold the body, and there is neither a body force, a remote stress nor Coulomb friction. Others are solved node by node, which is collocation.
+/// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E of a single body is not affine in its
+/// germs, supports hold the body, and there is neither a body force, a remote stress nor Coulomb friction. Others are solved node by node, which is collocation.
 ///
 /// # Errors
 /// [`DataError`] if the scene has no outcome at one of the examined germs: correct the expression of the random modulus.
 pub fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, DataError> {
     let galerkin = random.stochastic.method == Sampling::Galerkin && scene.uses(random).young;
+    let galerkin = galerkin && !scene.problem.has_several_bodies();
     let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
-    let simple = scene.particular_solution(0, 1.0).is_none() && !coulomb;
+    let simple = scene.particular_solution(0).is_none() && !coulomb;
     Ok(galerkin && simple && scene.unresisted(0, free_of_supports(scene)).is_empty() && !is_affine(scene, random)?)
 }
 
@@ -88,9 +91,10 @@ pub(crate) fn solve_nodes(
         let all: Vec<&Cell> = cells.iter().flatten().collect();
         let nodes: usize = all.iter().map(|c| c.answers.len()).sum();
         let measured = Size::of(&all);
+        let scale = if settings.of_deviation { deviation(outcomes, &all) } else { 1.0 };
         let settled = !settings.refine || nodes >= settings.max_nodes || round == ROUNDS;
         let mut sample: Option<Check> = None;
-        if settled || measured.relative() <= settings.tolerance {
+        if settled || measured.relative() <= settings.tolerance * scale {
             let drawn = check(outcomes, &mesh, &all, settings, samples, watch)?;
             (checks, samples) = (checks + drawn.outcomes, samples + 1);
             sample = Some(drawn);
@@ -98,7 +102,7 @@ pub(crate) fn solve_nodes(
         let told = sample.as_ref().map_or(f64::INFINITY, |s| measured.with(s).relative());
         let end = match () {
             () if !settings.refine => Some(End::Solved),
-            () if told <= settings.tolerance => Some(End::Tolerance),
+            () if told <= (settings.tolerance * scale).max(ROUNDED) => Some(End::Tolerance),
             () if nodes >= settings.max_nodes => Some(End::MaxNodes),
             () if round == ROUNDS => Some(End::Rounds),
             () => None,
@@ -136,6 +140,22 @@ pub(crate) fn solve_nodes(
         changed.into_iter().filter(|&c| c < known).for_each(|c| cells[c] = None);
     }
     unreachable!("the rounds are limited")
+}
+
+/// The deviation of the displacements over the root of their mean square, in the energy norm.
+fn deviation(outcomes: &Outcomes<'_>, cells: &[&Cell]) -> f64 {
+    let nodes = || cells.iter().flat_map(|c| c.basis.weights.iter().zip(&c.answers));
+    let mut mean = vec![0.0; outcomes.body.space.dofs()];
+    for (weight, answer) in nodes() {
+        mean.iter_mut().zip(&answer.displacement).for_each(|(m, u)| *m += weight * u);
+    }
+    let (mut about, mut all) = (0.0, 0.0);
+    for (weight, answer) in nodes() {
+        let apart: Vec<f64> = answer.displacement.iter().zip(&mean).map(|(u, m)| u - m).collect();
+        about += weight * outcomes.energy(&apart);
+        all += weight * outcomes.energy(&answer.displacement);
+    }
+    if all > 0.0 { (about.max(0.0) / all).sqrt().min(1.0) } else { 1.0 }
 }
 
 /// A squared error and the mean of the squared energy norm.

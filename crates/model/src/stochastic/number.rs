@@ -1,9 +1,9 @@
 //! The numbers of an outcome of which statistics are made: their paths are read once.
 
-use steklov_problem::{DataError, Random, Scene};
+use steklov_problem::{DataError, Interface, Law, Random, Scene};
 
 use crate::stochastic::outcomes::paths_of;
-use crate::summary::{ContactSummary, Probe, Summary};
+use crate::summary::{ContactSummary, InterfaceSummary, Probe, Summary};
 
 /// A function that finds a number in a summary.
 type Reader = dyn Fn(&Summary) -> Option<f64> + Send + Sync;
@@ -48,11 +48,21 @@ pub(crate) fn check_quantities(scene: &Scene, random: &Random) -> Result<(), Dat
     let zero = ContactSummary { contraction: Some(0.0), ..ContactSummary::default() };
     let at = |&point: &[f64; 2]| Probe { point, displacement: [0.0; 2], stress: [0.0; 3], stress_unbounded: true };
     let sides = (0..scene.problem.sides.len()).filter(|&side| holds(side));
+    let interface = |interface: &Interface| {
+        let of_contact = matches!(interface.law, Law::Contact(_)).then_some(0.0);
+        InterfaceSummary {
+            stick: of_contact,
+            slip: of_contact,
+            max_pressure: of_contact,
+            ..InterfaceSummary::default()
+        }
+    };
     let has = Summary {
         spring_energy: scene.problem.has_springs().then_some(0.0),
         contact: scene.contacts().next().map(|_| zero),
         reactions: sides.map(|side| (scene.problem.sides[side].name.clone(), [0.0; 2])).collect(),
         probe: scene.probe.iter().map(at).collect(),
+        interfaces: scene.problem.joints().map(interface).collect(),
         ..Summary::default()
     };
     let is_number = |path: &String| Number::new(path).is_some_and(|number| !number.of(&has).is_nan());
@@ -81,6 +91,21 @@ fn reader(path: &str) -> Option<Box<Reader>> {
         ["contact", "force", k] => {
             let k = component(k)?;
             Box::new(move |s| s.contact.as_ref()?.force.get(k).copied())
+        }
+        ["interfaces", place, "force", k] => {
+            let (place, k) = (component(place)?, component(k)?);
+            Box::new(move |s| s.interfaces.get(place)?.force.get(k).copied())
+        }
+        ["interfaces", place, of] => {
+            let place = component(place)?;
+            let number: fn(&InterfaceSummary) -> Option<f64> = match of {
+                "length" => |i| Some(i.length),
+                "stick" => |i| i.stick,
+                "slip" => |i| i.slip,
+                "max_pressure" => |i| i.max_pressure,
+                _ => return None,
+            };
+            Box::new(move |s| number(s.interfaces.get(place)?))
         }
         // names of sides may have points
         ["reactions", ref side @ .., k] => {

@@ -50,7 +50,9 @@ pub fn solve_stochastic_on_grid(
             let answer = |germs: &[f64], _: &mut Option<Solution>| {
                 outcomes.solve(germs).map(|(scene, solved)| kept(&scene, &solved, &numbers))
             };
-            OneByOne { numbers: &numbers, data: &data, answer: &answer, block: BLOCK }.solve(random, &watch, observe)?
+            let one_by_one =
+                OneByOne { numbers: &numbers, scales: &scales, data: &data, answer: &answer, block: BLOCK };
+            one_by_one.solve(random, &watch, observe)?
         }
     };
     finish(scene, random, &mut result, &scales);

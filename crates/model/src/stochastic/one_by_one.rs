@@ -4,6 +4,7 @@ use steklov_contact::Solution;
 use steklov_problem::{Random, Sampling};
 use steklov_stochastic::{Variable, smolyak, solve_points};
 
+use super::corrected::of_corrected;
 use super::in_body::BodySums;
 use super::jumps::InGerms;
 use super::number::Number;
@@ -21,6 +22,8 @@ pub(super) type Answering<'a> = dyn Fn(&[f64], &mut Option<Solution>) -> Result<
 pub(super) struct OneByOne<'a> {
     /// The requested numbers.
     pub(super) numbers: &'a [Number],
+    /// The scale of each of them.
+    pub(super) scales: &'a [f64],
     /// The data in their germs.
     pub(super) data: &'a InGerms<'a>,
     pub(super) answer: &'a Answering<'a>,
@@ -40,6 +43,9 @@ impl OneByOne<'_> {
         observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
     ) -> Result<StochasticResult, SolveError> {
         let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
+        if random.stochastic.method == Sampling::Corrected {
+            return of_corrected(self, random, watch, observe);
+        }
         if random.stochastic.method == Sampling::MonteCarlo {
             let mut result = of_samples(self, &variables, random, watch, observe)?;
             beside_samples(&mut result, self, random, watch)?;

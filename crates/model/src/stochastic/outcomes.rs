@@ -1,35 +1,35 @@
-//! Outcomes of the random input on one body: loads, gaps, bounds and modulus for given germs, and the answer to them.
+//! Outcomes of the random input on the bodies of a mesh: loads, gaps, bounds and moduli for given germs, and the answer to them.
 //!
-//! The matrices are those of the nominal modulus E₀. With e = E/E₀ the displacements of an outcome are those of E₀ under the
-//! loads and friction bounds divided by e; stresses, forces and energies are e times what is then computed.
+//! With E_k = ξ_k Ē_k of body k its matrices are ξ_k times those of Ē_k: no body is condensed again, only the skeleton of the
+//! interfaces between several bodies.
 
 use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_problem::{Random, Scene, Solver, Uses};
-use steklov_stochastic::{scale_bounds, solve_warm};
+use steklov_stochastic::solve_warm;
 
 use super::in_body::InBody;
 use super::jumps::InGerms;
 use super::number::{Number, numbers};
+use crate::answer::interfaces::interface_numbers;
 use crate::answer::report::figures;
 use crate::data::body_load::Particular;
-use crate::data::motions::unresisted;
 use crate::data::on_mesh::{Loads, OnMesh};
+use crate::data::parts::Assembled;
 use crate::data::supports::Supports;
 use crate::error::SolveError;
 use crate::solve::body::{Body, Factors, Loading};
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, contact_rows};
 use crate::solve::contact_solver::solve_problem;
-use crate::solve::rotations::{missed, project_load_off, rigid_load};
 use crate::solve::solution::Solved;
 use crate::summary::Summary;
 
-/// The outcomes of a scene's random input on a body.
+/// The outcomes of a scene's random input on its bodies.
 pub struct Outcomes<'a> {
     scene: &'a Scene,
     random: &'a Random,
-    /// The body.
+    /// The bodies with their nominal moduli.
     pub body: &'a Body,
     /// The requested numbers.
     pub(super) numbers: Vec<Number>,
@@ -43,11 +43,11 @@ pub struct Outcomes<'a> {
 /// The kept data of the answer to one outcome.
 #[derive(Debug, Clone, Default)]
 pub struct Answer {
-    /// E/E₀; on grids the mean of E over the body.
+    /// E/E₀, of several bodies that of the first one with a random modulus; on grids the mean of E over the body.
     pub modulus: f64,
     /// Displacement of the nodes of the boundary.
     pub displacement: Vec<f64>,
-    /// The displacement of the nominal modulus that has the stress of the outcome; nothing on grids.
+    /// The displacement of the nominal moduli that has the stress of the outcome; nothing on grids.
     pub stressed: Vec<f64>,
     /// The fields in a body on a grid, until their sums are taken; nothing for boundary elements.
     pub in_body: InBody,
@@ -71,10 +71,20 @@ pub struct Answer {
     pub converged: bool,
 }
 
-/// The answer to an outcome with the nominal modulus, and its reported numbers with its own modulus.
+/// An outcome before it is solved.
+pub struct Given {
+    /// It as a scene.
+    pub scene: Scene,
+    /// The bodies with its moduli, where these are random.
+    pub body: Option<Body>,
+    /// The loads and supports.
+    pub loading: Loading,
+}
+
+/// An outcome that is solved.
 pub(super) struct Outcome {
+    scene: Scene,
     solved: Solved,
-    modulus: f64,
     rows: Vec<ContactRow>,
     pub(super) figures: Summary,
 }
@@ -95,55 +105,60 @@ impl<'a> Outcomes<'a> {
             data: in_germs,
             uses: scene.uses(random),
             loads: data.load()?,
-            boundary: data.condensed_contact(&body.held, &[])?,
+            boundary: data.condensed_contact(&body.held, &body.joints)?,
         })
     }
 
-    /// The outcome as a scene, its modulus over the nominal one, and the loads on the body with the nominal modulus.
+    /// An outcome: its scene, its bodies, and what acts on them.
     ///
     /// # Errors
     /// [`SolveError::Data`] for data that the outcome makes impossible: correct their expressions or the range of the germs.
-    /// [`SolveError::Bem`] or [`SolveError::Contact`] for loads that drive a motion which nothing resists, or if the outcome
-    /// leaves other motions free than the mean input does: hold the body.
-    pub fn given(&self, germs: &[f64]) -> Result<(Scene, f64, Loading), SolveError> {
+    /// [`SolveError::Bem`], [`SolveError::Contact`] or [`SolveError::Loose`] for loads that drive a motion which nothing resists,
+    /// or if the outcome leaves other motions free than the mean input does: hold the body.
+    pub fn given(&self, germs: &[f64]) -> Result<Given, SolveError> {
         let (mesh, space): (&Mesh, &Space) = (&self.body.mesh, &self.body.space);
-        let mut scene = self.scene.outcome(germs)?;
-        let modulus = scene.body().material().young / self.scene.body().material().young;
-        scene.body_mut().substance = self.scene.body().substance.clone();
-        let data = OnMesh { scene: &scene, mesh, space };
+        let scene = self.scene.outcome(germs)?;
         let uses = self.uses;
+        let own = if uses.young { Some(self.body.with_moduli(&scene)?) } else { None };
+        let Body { pieces, joints, springs, condensation, .. } = own.as_ref().unwrap_or(self.body);
+        let data = OnMesh { scene: &scene, mesh, space };
         let held = if uses.held { data.held()? } else { self.body.held.clone() };
-        let mut loads = if uses.loads { data.load()? } else { self.loads.clone() };
-        loads.scale(1.0 / modulus);
-        let mut boundary =
-            if uses.contact || uses.held { data.condensed_contact(&held, &[])? } else { self.boundary.clone() };
-        if let Some(boundary) = &mut boundary {
-            scale_bounds(&mut boundary.contact, 1.0 / modulus);
-        }
-        let pieces = &self.body.pieces;
-        let product = |u: &[f64]| self.body.elastic_forces(u);
-        let particular = vec![Particular::of_body(&scene, 0, 1.0 / modulus, &pieces[0].piece, product)];
-        let supports = Supports { space, held: &held };
-        let mut given = Loading::new(loads, particular, boundary, supports.values(), pieces);
-        given.judged = false;
-        let candidates = scene.unresisted(0, supports.free_motions(self.body.springs.resisted(|_| true)));
-        let missed = missed(mesh, space, &candidates);
-        let free = match rigid_load(&data, &given, pieces, missed)? {
-            None => unresisted(&space.points, &given.load, given.boundary.as_ref(), &candidates)?,
-            Some((rigid, load)) => unresisted(&rigid.points, &load, given.boundary.as_ref(), &candidates)?,
+        let loads = if uses.loads { data.load()? } else { self.loads.clone() };
+        let boundary = match uses.contact || uses.held {
+            true => data.condensed_contact(&held, joints)?,
+            false => self.boundary.clone(),
         };
-        if missed > 0.0 {
-            project_load_off(&mut given.load, &free.iter().map(|r| r.nodal(&space.points)).collect::<Vec<_>>());
-        }
-        if free.len() != self.body.free.len() {
-            let (here, nominal) = (free.len(), self.body.free.len());
+        let tied = match uses.ties || uses.held {
+            true => data.tied_nodes(joints, &held, boundary.as_ref())?,
+            false => self.body.tied.clone(),
+        };
+        let particular = pieces.iter().map(|Assembled { piece, .. }| {
+            let product = |u: &[f64]| {
+                let mut all = vec![0.0; space.dofs()];
+                piece.own_mut(&mut all).copy_from_slice(u);
+                let (forces, couples) = (condensation.multiply(&all), condensation.spring_forces(&all));
+                let forces = forces.iter().zip(couples).zip(springs.pull(space, mesh.len(), &all).base);
+                let of_bodies: Vec<f64> = forces.map(|((f, couple), pull)| f - couple - pull).collect();
+                piece.own(&of_bodies).to_vec()
+            };
+            Particular::of_body(&scene, piece.body, piece, product)
+        });
+        let particular = particular.collect();
+        let supports = Supports { space, held: &held };
+        let mut values = supports.values();
+        values.extend(tied.iter().map(|tied| tied.jump));
+        let mut loading = Loading::new(loads, particular, boundary, values, pieces);
+        loading.judged = false;
+        let (_, loose) = data.unresisted_motions(pieces, (joints, &tied), (&held, springs), &mut loading)?;
+        let (here, nominal) = (loose.count(), self.body.loose.count());
+        if here != nominal {
             let what = format!("{here} motions that nothing resists, for the mean input {nominal}: hold the body");
             return Err(ContactError::Inconsistent { what }.into());
         }
-        Ok((scene, modulus, given))
+        Ok(Given { scene, body: own, loading })
     }
 
-    /// The answer to an outcome with the nominal modulus; `warm` is the solution of a similar one.
+    /// The answer to what acts on bodies in an outcome; `warm` is the solution of a similar one.
     ///
     /// # Errors
     /// [`SolveError::Contact`] if the contact problem cannot be solved: take another solver. [`SolveError::NotFinite`] for
@@ -151,11 +166,12 @@ impl<'a> Outcomes<'a> {
     pub fn solved(
         &self,
         scene: &Scene,
-        given: Loading,
+        body: &Body,
+        loading: Loading,
         warm: &mut Option<Solution>,
     ) -> Result<(Solved, Factors), SolveError> {
         let solver = self.scene.method.solver;
-        self.body.answer(scene, given, &mut |problem: &Problem| match solver {
+        body.answer(scene, loading, &mut |problem: &Problem| match solver {
             Solver::Auto => solve_warm(problem, warm),
             solver => solve_problem(problem, solver),
         })
@@ -163,8 +179,8 @@ impl<'a> Outcomes<'a> {
 
     /// Solves an outcome and keeps the data that statistics need.
     pub(crate) fn answer(&self, germs: &[f64], warm: &mut Option<Solution>) -> Result<Answer, SolveError> {
-        let Outcome { solved, modulus, rows, figures } = self.outcome(germs, warm)?;
-        Ok(self.kept(&solved, modulus, &rows, &figures))
+        let Outcome { scene, solved, rows, figures } = self.outcome(germs, warm)?;
+        Ok(self.kept(&scene, &solved, &rows, &figures))
     }
 
     /// Solves an outcome.
@@ -173,37 +189,26 @@ impl<'a> Outcomes<'a> {
             SolveError::Data(_) => error,
             error => SolveError::Outcome { outcome: self.random.outcome_name(germs), error: Box::new(error) },
         };
-        let (scene, modulus, given) = self.given(germs).map_err(named)?;
-        let (solved, _) = self.solved(&scene, given, warm).map_err(named)?;
-        let (rows, figures) = self.figures(&scene, &solved, modulus, None);
-        Ok(Outcome { solved, modulus, rows, figures })
+        let Given { scene, body, loading } = self.given(germs).map_err(named)?;
+        let body = body.as_ref().unwrap_or(self.body);
+        let (solved, _) = self.solved(&scene, body, loading, warm).map_err(named)?;
+        let rows = solved.contact.as_ref().map_or(Vec::new(), |contact| contact_rows(solved.trace(), contact));
+        let figures = self.figures(&scene, &solved, &rows);
+        Ok(Outcome { scene, solved, rows, figures })
     }
 
-    /// The contact rows and the numbers of an outcome, from its answer of the nominal modulus; `multipliers` (stress of the outcome)
-    /// replace its own.
-    pub(crate) fn figures(
-        &self,
-        scene: &Scene,
-        solved: &Solved,
-        modulus: f64,
-        multipliers: Option<&[[f64; 2]]>,
-    ) -> (Vec<ContactRow>, Summary) {
+    /// The numbers of an outcome with these contact rows.
+    pub(super) fn figures(&self, scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Summary {
         let contact = solved.contact.as_ref();
-        let mut rows = contact.map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
-        for row in &mut rows {
-            row.pressure *= modulus;
-            row.shear *= modulus;
-            row.bound *= modulus;
-        }
-        for (row, [pressure, shear]) in rows.iter_mut().zip(multipliers.unwrap_or_default()) {
-            (row.pressure, row.shear) = (*pressure, *shear);
-        }
-        let mut figures = figures(scene, &solved.energies, (contact, solved.trace()), &solved.reactions, &rows);
-        if self.numbers.iter().any(|number| number.path.starts_with("probe")) {
+        let mut figures = figures(scene, &solved.energies, (contact, solved.trace()), &solved.reactions, rows);
+        let wants = |start: &str| self.numbers.iter().any(|number| number.path.starts_with(start));
+        if wants("probe") {
             figures.probe = scene.probe.iter().map(|&x| solved.probe(scene, x)).collect();
         }
-        scale(&mut figures, modulus);
-        (rows, figures)
+        if wants("interfaces") {
+            figures.interfaces = interface_numbers(scene, solved, rows, None);
+        }
+        figures
     }
 
     /// ⟨Su, u⟩ of the nominal modulus.
@@ -211,12 +216,23 @@ impl<'a> Outcomes<'a> {
         self.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum()
     }
 
+    /// E/E₀ of a body in an outcome.
+    fn modulus(&self, outcome: &Scene, body: usize) -> f64 {
+        let young = |scene: &Scene| scene.problem.bodies[body].material().young;
+        young(outcome) / young(self.scene)
+    }
+
     /// The data of an outcome that statistics need.
-    pub(crate) fn kept(&self, solved: &Solved, modulus: f64, rows: &[ContactRow], figures: &Summary) -> Answer {
+    pub(super) fn kept(&self, scene: &Scene, solved: &Solved, rows: &[ContactRow], figures: &Summary) -> Answer {
         let contact = solved.contact.as_ref();
+        let mut stressed = solved.displacement.clone();
+        for Assembled { piece, .. } in &self.body.pieces {
+            let modulus = self.modulus(scene, piece.body);
+            piece.own_mut(&mut stressed).iter_mut().for_each(|u| *u *= modulus);
+        }
         Answer {
-            modulus,
-            stressed: solved.displacement.iter().map(|u| modulus * u).collect(),
+            modulus: self.modulus(scene, self.random.constants.first_young()),
+            stressed,
             quantities: self.numbers.iter().map(|number| number.of(figures)).collect(),
             strain: figures.strain_energy,
             converged: solved.balanced && contact.is_none_or(|c| c.converged()),
@@ -237,18 +253,6 @@ pub(super) fn contact_answer(rows: &[ContactRow], contact: Option<&ContactResult
         iterations: contact.map_or(0, |c| c.solution.iterations),
         ..Answer::default()
     }
-}
-
-/// Stresses, forces and energies of the nominal modulus become those of the outcome; the contact rows have been scaled before.
-fn scale(figures: &mut Summary, modulus: f64) {
-    let energies =
-        [&mut figures.energy, &mut figures.strain_energy, &mut figures.load_work, &mut figures.friction_work];
-    energies.into_iter().chain(&mut figures.spring_energy).for_each(|e| *e *= modulus);
-    if let Some(contact) = &mut figures.contact {
-        contact.force = contact.force.map(|f| f * modulus);
-    }
-    figures.reactions.values_mut().flatten().for_each(|f| *f *= modulus);
-    figures.probe.iter_mut().flat_map(|p| &mut p.stress).for_each(|s| *s *= modulus);
 }
 
 /// Paths of the quantities of a scene.

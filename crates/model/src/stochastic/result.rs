@@ -135,7 +135,7 @@ pub struct StochasticResult {
     pub points: Vec<Vec<f64>>,
     /// Weights, sum 1.
     pub weights: Vec<f64>,
-    /// Young's modulus of each point; on grids its mean over the body.
+    /// Young's modulus of each point, of several bodies that of the first one with a random modulus; on grids its mean over the body.
     pub young: Vec<f64>,
     /// Probabilities of the quantiles.
     pub probabilities: Vec<f64>,

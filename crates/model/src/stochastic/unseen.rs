@@ -22,15 +22,24 @@ const SAFETY: f64 = 1.5;
 const ROUNDING: f64 = 1e-9;
 
 /// Outcomes that no point has seen.
-struct Unseen {
+pub(super) struct Unseen {
     /// Each with the probability that it may have.
-    answers: Vec<(Answer, Vec<f64>, f64)>,
-    undecided: f64,
+    pub(super) answers: Vec<(Answer, Vec<f64>, f64)>,
+    /// Probability of data that are neither known nor excluded.
+    pub(super) undecided: f64,
+}
+
+/// Whether an answer touches where none of these does, or is open where all of them touch.
+pub(super) fn other_contact<'a>(all: &'a [&Answer]) -> impl Fn(&Answer) -> bool + 'a {
+    let conditions = all.first().map_or(0, |answer| answer.pressure.len());
+    let seen = |i: usize, touching: bool| all.iter().any(|answer| touches(answer, i) == touching);
+    let states: Vec<[bool; 2]> = (0..conditions).map(|i| [seen(i, false), seen(i, true)]).collect();
+    move |answer| states.iter().enumerate().any(|(i, seen)| !seen[usize::from(touches(answer, i))])
 }
 
 /// Solves outcomes at the ends of the germs, where `rarest` is the probability beyond them, and those whose data occur at none
 /// of the points; `count` points have been examined, as good as samples.
-fn unseen(
+pub(super) fn unseen(
     outcomes: &OneByOne<'_>,
     random: &Random,
     points: &[Vec<f64>],
@@ -127,9 +136,8 @@ pub(super) fn beside_grid(
         (outcomes.answer)(&fresh[i], warm)
     })?;
     let Unseen { answers: ends, undecided } = unseen(outcomes, random, &grid.points, fresh.len(), watch)?;
-    let conditions = result.probability.len();
     let all: Vec<&Answer> = answers.iter().chain(&drawn).collect();
-    let other = |answer: &Answer| (0..conditions).any(|i| all.iter().all(|a| touches(a, i) != touches(answer, i)));
+    let other = other_contact(&all);
     let seen = outcomes.data.seen(&grid.points);
     let ends: Vec<_> =
         ends.iter().filter(|(answer, germ, _)| other(answer) || outcomes.data.differ(&seen, germ)).collect();

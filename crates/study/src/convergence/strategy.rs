@@ -275,7 +275,7 @@ fn residual(scene: &Scene, solved: &Solved, step: &Step<BoundaryElements>) -> Re
     let known = step.estimate.as_ref().map(|estimate| &estimate.residuals).filter(|known| !known.is_empty());
     let residuals = match known {
         Some(known) => known.clone(),
-        None => OnMesh { scene, mesh: &solved.mesh, space: &solved.space }.all_residuals(solved, 1.0)?,
+        None => OnMesh { scene, mesh: &solved.mesh, space: &solved.space }.all_residuals(solved)?,
     };
     Ok(Some(estimator(&residuals, solved)))
 }

@@ -60,7 +60,7 @@ fn tensor(random: &Random, elements: usize, degree: usize) -> Stochastic {
 fn adaptive(random: &Random, tolerance: f64, max_nodes: usize) -> Stochastic {
     let degree = random.stochastic.degree.min(1);
     let method = Sampling::Collocation;
-    Stochastic { method, refine: true, tolerance, max_nodes, ..tensor(random, 1, degree) }
+    Stochastic { method, refine: true, of_deviation: false, tolerance, max_nodes, ..tensor(random, 1, degree) }
 }
 
 fn sparse(random: &Random, level: usize) -> Stochastic {

@@ -1,0 +1,139 @@
+//! `[stochastic]`: how a problem with random input is solved, and what is chosen where the scene leaves it open.
+
+use steklov_problem::{DataErrorKind, Method, Model, Problem, Sampling, Stochastic};
+
+use super::error::ReadError;
+use super::fields::{Field, Fields};
+use super::keys;
+
+/// Every choice of outcomes and its word; none is chosen by what a scene has.
+pub(super) const SAMPLINGS: [(&str, Option<Sampling>); 7] = [
+    ("auto", None),
+    ("galerkin", Some(Sampling::Galerkin)),
+    ("collocation", Some(Sampling::Collocation)),
+    ("sparse", Some(Sampling::Sparse)),
+    ("corrected", Some(Sampling::Corrected)),
+    ("monte-carlo", Some(Sampling::MonteCarlo)),
+    ("multilevel", Some(Sampling::Multilevel)),
+];
+/// Whether stochastic elements are split, and the words.
+pub(super) const SPLITS: [(&str, bool); 2] = [("none", false), ("adaptive", true)];
+/// Keys of rules, and the method that has them.
+const RULES: [(&str, Sampling); 4] = [
+    ("degree", Sampling::Galerkin),
+    ("elements", Sampling::Galerkin),
+    ("refine", Sampling::Galerkin),
+    ("level", Sampling::Sparse),
+];
+/// Standard errors of means over deviations, of methods that work towards one.
+const TOLERANCE: f64 = 0.01;
+/// Root mean square truncation of stochastic elements over the deviation: means are off by a small part of it.
+const TRUNCATION: f64 = 0.05;
+/// Most outcomes of multilevel Monte Carlo.
+const MOST: usize = 10_000_000;
+/// Most germs for which stochastic elements are chosen: 256 points of the first one.
+const FEW: usize = 4;
+/// Germs from which on differences between grids are chosen: a sparse grid of level 1 has more than 200 points.
+const MANY: usize = 100;
+/// Most germs on a grid for which level 2 of a sparse grid is the default: 221 points.
+const LEVEL_TWO: usize = 10;
+
+/// What a scene asks for.
+pub(super) struct Asked<'a> {
+    settings: Stochastic,
+    given: Option<Fields<'a>>,
+    method: Option<Sampling>,
+}
+
+impl<'a> Asked<'a> {
+    /// Reads `[stochastic]`.
+    pub(super) fn read(field: Option<&Field<'a>>) -> Result<Self, ReadError> {
+        let mut settings = Stochastic::default();
+        let Some(field) = field else { return Ok(Self { settings, given: None, method: None }) };
+        let table = Fields::new(field, &keys::STOCHASTIC)?;
+        let mut method = None;
+        for (key, _, field) in table.all() {
+            match key {
+                "method" => method = field.choice(&SAMPLINGS)?,
+                "degree" => settings.degree = field.whole(keys::DEGREE_FROM_0)?,
+                "elements" => settings.elements = field.whole(keys::ELEMENTS)?,
+                "level" => settings.level = field.whole(keys::LEVEL)?,
+                "refine" => settings.refine = field.choice(&SPLITS)?,
+                "tolerance" => settings.tolerance = field.number_in(&keys::FRACTION)?,
+                "max_nodes" => settings.max_nodes = field.whole(keys::NODES)?,
+                "samples" => settings.samples = field.whole(keys::SAMPLES)?,
+                "seed" => settings.seed = field.whole(keys::NATURAL)? as u64,
+                "quantiles" => {
+                    let numbers = field.list()?;
+                    let number = |q: &Field<'_>| q.number_in(&keys::FRACTION);
+                    settings.quantiles = numbers.iter().map(number).collect::<Result<_, _>>()?;
+                }
+                _ => {
+                    let paths = field.list()?;
+                    let text = |q: &Field<'_>| q.text().map(str::to_owned);
+                    settings.quantities = Some(paths.iter().map(text).collect::<Result<_, _>>()?);
+                }
+            }
+        }
+        let rule = RULES.iter().find_map(|(key, method)| Some((table.get(key)?, *method)));
+        if let (None, Some(auto), Some((field, _))) = (method, table.get("method"), &rule) {
+            let message = format!("{} stands beside {} = \"auto\", which chooses it", field.name, auto.name);
+            let help = "leave one of the two out, or name the method";
+            return Err(ReadError::new(DataErrorKind::Conflict, field.item.place, message, help));
+        }
+        let method = method.or(rule.map(|(_, method)| method));
+        let only_point = match method {
+            Some(Sampling::Galerkin | Sampling::Collocation) => {
+                settings.degree == 0 && settings.elements == 1 && !settings.refine
+            }
+            Some(Sampling::Sparse) => settings.level == 0,
+            _ => false,
+        };
+        if let Some(field) = table.get("degree").or(table.get("level")).filter(|_| only_point) {
+            let message = format!("{} is 0: one point stands for all outcomes, and every deviation is 0", field.name);
+            return Err(field.problem(message, "it must be 1 or more"));
+        }
+        Ok(Self { settings, given: Some(table), method })
+    }
+
+    /// Whether it asks for a product of rules of the germs.
+    pub(super) fn is_product(&self) -> bool {
+        matches!(self.method, Some(Sampling::Galerkin | Sampling::Collocation))
+    }
+
+    /// The settings for this number of germs. Where no method is asked for: stochastic elements that are refined for few germs
+    /// by boundary elements, differences between grids for very many on one without contact, else a sparse grid that fresh
+    /// outcomes correct.
+    pub(super) fn chosen(self, problem: &Problem, method: &Method, germs: usize) -> Stochastic {
+        let Self { mut settings, given, method: asked } = self;
+        let open = |key: &str| given.as_ref().is_none_or(|given| given.get(key).is_none());
+        let grid = problem.bodies[0].grid.as_ref();
+        let halved = |cells: [usize; 2]| cells.iter().all(|n| n.is_multiple_of(4));
+        let family = grid.is_some_and(|grid| {
+            let fem = method.model == Model::Fem || method.model == Model::Auto && grid.fine == [1, 1];
+            fem && halved(grid.cells()) && problem.interfaces().is_empty()
+        });
+        settings.method = asked.unwrap_or(match grid {
+            None if germs <= FEW => Sampling::Galerkin,
+            Some(_) if germs > MANY && family => Sampling::Multilevel,
+            _ => Sampling::Corrected,
+        });
+        if asked.is_none() && settings.method == Sampling::Galerkin {
+            (settings.refine, settings.of_deviation) = (true, true);
+        }
+        let works_towards = matches!(settings.method, Sampling::Corrected | Sampling::Multilevel);
+        if open("tolerance") && works_towards {
+            settings.tolerance = TOLERANCE;
+        }
+        if open("tolerance") && settings.of_deviation {
+            settings.tolerance = TRUNCATION;
+        }
+        if open("max_nodes") && settings.method == Sampling::Multilevel {
+            settings.max_nodes = MOST;
+        }
+        if open("level") && grid.is_some() && germs > LEVEL_TWO {
+            settings.level = 1;
+        }
+        settings
+    }
+}

@@ -1,0 +1,330 @@
+//! Polynomials of a sparse grid, corrected by fresh outcomes: the mean of each quantity without bias, with as many points and
+//! outcomes as a tolerance needs.
+//!
+//! ```text
+//! S(ξ) = Σ_j θ_j(ξ) Q_j        mean = E S + 1/N Σ_i (Q - S)(ξ_i) = Σ_j (w_j - 1/N Σ_i θ_j(ξ_i)) Q_j + 1/N Σ_i Q_i
+//! ```
+//! Its standard error is that of the residuals Q - S alone. Grid and outcomes are points of one rule, whose weights have both
+//! signs.
+
+use steklov_problem::{Random, Sampling, Stochastic};
+use steklov_stochastic::{Points, SparsePolynomials, Variable, sample, smolyak};
+
+use super::in_body::BodySums;
+use super::multilevel::spread;
+use super::one_by_one::OneByOne;
+use super::outcomes::Answer;
+use super::result::{End, OVERLOOKED, StochasticResult, UNDECIDED, Watch, of_grid};
+use super::samples::of_samples;
+use super::spread::is_rounding;
+use super::stage::OutcomeStage;
+use super::unseen::{Unseen, beside_samples, other_contact, unseen};
+use crate::error::SolveError;
+
+/// Fresh outcomes at first, and the number from which on their root mean square is believed.
+const FEW: usize = 16;
+const MANY: usize = 64;
+/// Factors by which root mean squares of fewer, and of more of them, are rather too small.
+const SAFETY: [f64; 2] = [1.5, 1.1];
+/// A level whose residuals are more than this part of those before is the last one.
+const FALLS: f64 = 0.7;
+/// Part of the variance of outcomes alone below which the corrected one is not believed.
+const FEWEST: f64 = 0.25;
+/// Factor by which the number of outcomes grows at most before residuals are looked at again.
+const GROWTH: usize = 4;
+
+/// Fresh outcomes.
+#[derive(Default)]
+struct Fresh {
+    germs: Vec<Vec<f64>>,
+    answers: Vec<Answer>,
+}
+
+/// The polynomials of a sparse grid.
+struct Surrogate {
+    grid: Points,
+    polynomials: SparsePolynomials,
+    answers: Vec<Answer>,
+    in_body: BodySums,
+}
+
+/// What grid and fresh outcomes say of a quantity.
+struct Measured {
+    mean: f64,
+    /// Standard error of the mean.
+    mean_error: f64,
+    variance: f64,
+    /// Standard error of the variance.
+    variance_error: f64,
+    /// Mean of (Q - S)².
+    residual: f64,
+}
+
+impl Surrogate {
+    fn new(
+        grid: Points,
+        variables: &[Variable],
+        level: usize,
+        outcomes: &OneByOne<'_>,
+        watch: &Watch<'_>,
+    ) -> Result<Self, SolveError> {
+        let polynomials = grid.polynomials(variables, level)?;
+        let (mut answers, mut in_body) = (Vec::with_capacity(grid.points.len()), BodySums::default());
+        outcomes.stream(grid.points.len(), &|i| grid.points[i].clone(), watch, &mut |first, _, mut block| {
+            for (i, answer) in block.iter_mut().enumerate() {
+                in_body.push(grid.weights[first + i], &std::mem::take(&mut answer.in_body));
+            }
+            answers.extend(block);
+            Ok(())
+        })?;
+        Ok(Self { grid, polynomials, answers, in_body })
+    }
+
+    /// The values of the polynomials of all quantities at germs.
+    fn values(&self, germs: &[f64]) -> Vec<f64> {
+        let theta = self.polynomials.evaluate(germs);
+        let quantities = self.answers.first().map_or(0, |answer| answer.quantities.len());
+        let value = |k: usize| theta.iter().zip(&self.answers).map(|(theta, a)| theta * a.quantities[k]).sum();
+        (0..quantities).map(value).collect()
+    }
+
+    /// Weights of the points of the grid.
+    fn weights(&self, fresh: &Fresh) -> Vec<f64> {
+        let mut weights = self.grid.weights.clone();
+        for germs in &fresh.germs {
+            let theta = self.polynomials.evaluate(germs);
+            weights.iter_mut().zip(theta).for_each(|(w, theta)| *w -= theta / fresh.germs.len() as f64);
+        }
+        weights
+    }
+
+    /// All quantities: mean E S + E(Q - S) and variance Var S + E(2 (S - E S) (Q - S) + (Q - S)²) - (E(Q - S))².
+    fn measured(&self, fresh: &Fresh) -> Vec<Measured> {
+        let count = fresh.answers.len();
+        let at_fresh: Vec<Vec<f64>> = fresh.germs.iter().map(|germs| self.values(germs)).collect();
+        let of = |k: usize| {
+            let on_grid: Vec<f64> = self.answers.iter().map(|answer| answer.quantities[k]).collect();
+            let by_grid: f64 = self.grid.weights.iter().zip(&on_grid).map(|(w, q)| w * q).sum();
+            let value = |i: usize| fresh.answers[i].quantities[k];
+            let residual = |i: usize| value(i) - at_fresh[i][k];
+            let rest = |i: usize| (2.0 * (at_fresh[i][k] - by_grid) + residual(i)) * residual(i);
+            let mean_of = |of: &dyn Fn(usize) -> f64| (0..count).map(of).sum::<f64>() / count as f64;
+            let error_of = |of: &dyn Fn(usize) -> f64| (spread(count, of) / count as f64).sqrt();
+            let shift = mean_of(&residual);
+            let variance = self.polynomials.variance(&on_grid) + mean_of(&rest) - shift * shift;
+            let of_outcomes = spread(count, &value);
+            Measured {
+                mean: by_grid + shift,
+                mean_error: error_of(&residual),
+                // what is left of large terms of both signs may be nothing, or less
+                variance: if variance > FEWEST * of_outcomes { variance } else { of_outcomes },
+                variance_error: error_of(&rest),
+                residual: mean_of(&|i| residual(i).powi(2)),
+            }
+        };
+        (0..self.answers.first().map_or(0, |answer| answer.quantities.len())).map(of).collect()
+    }
+}
+
+/// Solves until the standard error of each mean is `tolerance` times the standard deviation of the quantity: the level of the
+/// sparse grid and the number of fresh outcomes are those that cost least. Where polynomials say nothing, samples alone.
+///
+/// *Use when*: a tolerance is asked for with many germs, or of each outcome a body of its own is solved. *Fails when*: outcomes
+/// with other contact or data are so rare that `max_nodes` do not find them: then they are in doubt. *Cost*: a solution for each
+/// point of the grid and each of about (r / tolerance)² outcomes, r the residual of the polynomials over the deviation.
+///
+/// # Errors
+/// An outcome that is impossible; an observer that fails; [`SolveError::Interrupted`].
+pub(super) fn of_corrected(
+    outcomes: &OneByOne<'_>,
+    random: &Random,
+    watch: &Watch<'_>,
+    observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
+) -> Result<StochasticResult, SolveError> {
+    let settings = &random.stochastic;
+    let mut rule = Rule { outcomes, random, fresh: Fresh::default() };
+    rule.draw(FEW.min(settings.max_nodes), watch)?;
+    let Some(surrogate) = rule.surrogate(watch)? else { return samples_alone(outcomes, random, watch, observe) };
+    let most = settings.max_nodes.saturating_sub(surrogate.answers.len()).max(FEW);
+    let (mut end, mut missed);
+    loop {
+        end = loop {
+            let have = rule.fresh.answers.len();
+            let wanted = rule.wanted(&surrogate);
+            if wanted <= have {
+                break End::Tolerance;
+            }
+            if have >= most {
+                break End::MaxNodes;
+            }
+            rule.draw(wanted.min(GROWTH * have).min(most), watch)?;
+        };
+        missed = rule.missed(&surrogate, watch)?;
+        let have = rule.fresh.answers.len();
+        if missed.probability.is_none() || have >= most {
+            break;
+        }
+        rule.draw((GROWTH * have).min(most), watch)?;
+    }
+    if missed.probability.is_some() {
+        end = End::MaxNodes;
+    }
+    rule.gathered(surrogate, missed, end, observe)
+}
+
+/// Samples, as many as the tolerance needs.
+fn samples_alone(
+    outcomes: &OneByOne<'_>,
+    random: &Random,
+    watch: &Watch<'_>,
+    observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
+) -> Result<StochasticResult, SolveError> {
+    let wanted = (1.0 / random.stochastic.tolerance.powi(2)).ceil();
+    let samples = wanted.min(random.stochastic.max_nodes as f64) as usize;
+    let stochastic = Stochastic { method: Sampling::MonteCarlo, samples, ..random.stochastic.clone() };
+    let random = &Random { stochastic, ..random.clone() };
+    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
+    let mut result = of_samples(outcomes, &variables, random, watch, observe)?;
+    beside_samples(&mut result, outcomes, random, watch)?;
+    result.end = if samples as f64 >= wanted && result.unseen.is_none() { End::Tolerance } else { End::MaxNodes };
+    Ok(result)
+}
+
+/// What outcomes that no point has seen may do.
+struct Missed {
+    /// By how much they may shift the mean of each quantity.
+    shifts: Vec<f64>,
+    /// Probability that they may have, where that counts.
+    probability: Option<f64>,
+    /// How many were solved.
+    looked: usize,
+}
+
+/// A rule on its way to the tolerance.
+struct Rule<'a> {
+    outcomes: &'a OneByOne<'a>,
+    random: &'a Random,
+    fresh: Fresh,
+}
+
+impl Rule<'_> {
+    fn variables(&self) -> Vec<Variable> {
+        self.random.germs.iter().map(|g| g.variable.clone()).collect()
+    }
+
+    /// Draws fresh outcomes up to a number of them.
+    fn draw(&mut self, count: usize, watch: &Watch<'_>) -> Result<(), SolveError> {
+        let (have, variables, seed) = (self.fresh.answers.len(), self.variables(), self.random.stochastic.seed);
+        let germs = |i: usize| sample(&variables, seed, (have + i) as u64);
+        let fresh = &mut self.fresh;
+        self.outcomes.stream(count.saturating_sub(have), &germs, watch, &mut |_, germs, answers| {
+            fresh.germs.extend(germs);
+            fresh.answers.extend(answers.into_iter().map(|a| Answer { in_body: Default::default(), ..a }));
+            Ok(())
+        })
+    }
+
+    /// What is measured of the quantities that vary.
+    fn varying(&self, surrogate: &Surrogate) -> Vec<Measured> {
+        let all = surrogate.measured(&self.fresh).into_iter().enumerate();
+        let scale = |k: usize, measured: &Measured| self.outcomes.scales[k].max(measured.mean.abs());
+        all.filter(|(k, m)| !is_rounding(m.variance.sqrt(), scale(*k, m))).map(|(_, m)| m).collect()
+    }
+
+    /// The largest residual of polynomials over the deviation of a quantity, with its safety.
+    fn misfit(&self, surrogate: &Surrogate) -> f64 {
+        let safety = SAFETY[usize::from(self.fresh.answers.len() >= MANY)];
+        let of = |m: &Measured| safety * (m.residual / m.variance).sqrt();
+        self.varying(surrogate).iter().map(of).fold(0.0, f64::max)
+    }
+
+    /// Fresh outcomes that a misfit needs.
+    fn needed(&self, misfit: f64) -> f64 {
+        (misfit / self.random.stochastic.tolerance).powi(2).ceil().max(FEW as f64)
+    }
+
+    fn wanted(&self, surrogate: &Surrogate) -> usize {
+        self.needed(self.misfit(surrogate)).min(1e15) as usize
+    }
+
+    /// The polynomials with which the tolerance costs least; none if samples alone do.
+    fn surrogate(&self, watch: &Watch<'_>) -> Result<Option<Surrogate>, SolveError> {
+        let (variables, most) = (self.variables(), self.random.stochastic.max_nodes as f64);
+        let (mut best, mut misfit) = (None, 1.0);
+        // by which the next level is expected to change it: as the last one did
+        let mut falls = 0.0;
+        for level in 1.. {
+            let Ok(grid) = smolyak(&variables, level) else { break };
+            let points = grid.points.len() as f64;
+            if points > 0.5 * most || points + self.needed(misfit * falls) >= self.needed(misfit) {
+                break;
+            }
+            let next = Surrogate::new(grid, &variables, level, self.outcomes, watch)?;
+            let own = self.misfit(&next);
+            if own >= misfit {
+                break;
+            }
+            (falls, misfit, best) = (own / misfit, own, Some(next));
+            if falls > FALLS {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// Looks at outcomes with other contact or data than all that are solved.
+    fn missed(&self, surrogate: &Surrogate, watch: &Watch<'_>) -> Result<Missed, SolveError> {
+        let points: Vec<Vec<f64>> = surrogate.grid.points.iter().chain(&self.fresh.germs).cloned().collect();
+        let all: Vec<&Answer> = surrogate.answers.iter().chain(&self.fresh.answers).collect();
+        let Unseen { answers, undecided } =
+            unseen(self.outcomes, self.random, &points, self.fresh.answers.len(), watch)?;
+        let (other, seen) = (other_contact(&all), self.outcomes.data.seen(&points));
+        let is_other = |answer: &Answer, germs: &[f64]| other(answer) || self.outcomes.data.differ(&seen, germs);
+        let others: Vec<_> = answers.iter().filter(|(answer, germs, _)| is_other(answer, germs)).collect();
+        let mut missed = Missed { shifts: Vec::new(), probability: None, looked: answers.len() };
+        for (k, Measured { mean, variance, residual, .. }) in surrogate.measured(&self.fresh).into_iter().enumerate() {
+            let told = (residual / self.fresh.answers.len() as f64).sqrt();
+            let allowed = told.max(self.random.stochastic.tolerance * variance.max(0.0).sqrt());
+            let mut most = 0.0f64;
+            for (answer, germs, probability) in &others {
+                let shift = probability * (answer.quantities[k] - surrogate.values(germs)[k]).abs();
+                most = most.max(shift);
+                if shift > OVERLOOKED * allowed && !is_rounding(shift, self.outcomes.scales[k].max(mean.abs())) {
+                    missed.probability = Some(missed.probability.map_or(*probability, |u: f64| u.max(*probability)));
+                }
+            }
+            missed.shifts.push(most);
+        }
+        if undecided > UNDECIDED {
+            missed.probability = Some(missed.probability.map_or(undecided, |u| u.max(undecided)));
+        }
+        Ok(missed)
+    }
+
+    /// The statistics of grid and outcomes.
+    fn gathered(
+        self,
+        surrogate: Surrogate,
+        missed: Missed,
+        end: End,
+        observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
+    ) -> Result<StochasticResult, SolveError> {
+        let count = self.fresh.answers.len();
+        let mut weights = surrogate.weights(&self.fresh);
+        weights.extend(vec![1.0 / count as f64; count]);
+        let points = surrogate.grid.points.iter().chain(&self.fresh.germs).cloned().collect();
+        let answers: Vec<Answer> = surrogate.answers.iter().chain(&self.fresh.answers).cloned().collect();
+        observe(OutcomeStage::Answers { first: 0, count: answers.len(), answers: &answers })?;
+        let mut result = of_grid(points, weights, &answers, self.outcomes.numbers)?;
+        let measured = surrogate.measured(&self.fresh);
+        for ((quantity, measured), shift) in result.quantities.iter_mut().zip(measured).zip(&missed.shifts) {
+            let Measured { mean, mean_error, variance, variance_error, .. } = measured;
+            (quantity.mean, quantity.variance) = (mean, variance);
+            (quantity.standard_error, quantity.variance_error) = (Some(mean_error), Some(variance_error));
+            quantity.truncation = Some(*shift);
+        }
+        result.in_body = surrogate.in_body.moments();
+        (result.checks, result.unseen, result.end) = (missed.looked, missed.probability, end);
+        Ok(result)
+    }
+}
