@@ -178,9 +178,14 @@ impl Problem {
         width(0).hypot(width(1))
     }
 
-    /// E* of the body of an edge.
+    /// E* of the body of an edge, by which its sides are paired with others.
     fn modulus_of(&self, edge: &Edge) -> f64 {
-        self.bodies[self.body_of_side(edge.side)].material().plane_modulus()
+        self.pairing_modulus(self.body_of_side(edge.side))
+    }
+
+    /// E* of a body; of an outcome of random input that of the mean, so that all outcomes have the same pairs.
+    pub(super) fn pairing_modulus(&self, body: usize) -> f64 {
+        self.paired_by.get(body).copied().unwrap_or_else(|| self.bodies[body].material().plane_modulus())
     }
 
     /// E* n at a point of an edge.
@@ -248,7 +253,7 @@ impl Problem {
             let ends = [edge.start, edge.end].as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
             [edge.side as u64].into_iter().chain(ends).chain(edge.listed_bits())
         });
-        let moduli = self.bodies.iter().map(|body| body.material().plane_modulus().to_bits());
+        let moduli = (0..self.bodies.len()).map(|body| self.pairing_modulus(body).to_bits());
         sides.into_iter().flatten().chain([u64::from(tied)]).chain(moduli).chain(edges).collect()
     }
 

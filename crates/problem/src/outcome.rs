@@ -27,6 +27,7 @@ impl Scene {
         let value = |expression: &Expression| expression.with_values(&values).constant().unwrap_or(f64::NAN);
         let mut outcome = Self { random: None, unused: Vec::new(), ..self.clone() };
         let problem = &mut outcome.problem;
+        problem.paired_by = (0..problem.bodies.len()).map(|body| problem.pairing_modulus(body)).collect();
         for (&body, young) in &random.constants.young {
             let material = with_young(&self.problem.bodies[body].material(), value(young), young)?;
             problem.bodies[body].substance = Substance::Homogeneous(material);

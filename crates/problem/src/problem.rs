@@ -26,6 +26,8 @@ pub struct Problem {
     pub bodies: Vec<Body>,
     /// The interfaces between them, and between them and rigid obstacles.
     pub(super) interfaces: Vec<Interface>,
+    /// E* of each body by which sides are paired; none are their own.
+    pub(super) paired_by: Vec<f64>,
     /// Where their sides see one another, once it is computed.
     pub(crate) known_spans: KnownSpans,
 }
@@ -160,6 +162,7 @@ impl Problem {
             outline,
             bodies,
             interfaces: Vec::new(),
+            paired_by: Vec::new(),
             known_spans: KnownSpans::default(),
         }
     }

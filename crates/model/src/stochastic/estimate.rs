@@ -23,8 +23,10 @@ const BESIDE: usize = 8;
 /// Ratio of the mean square error of these samples to that of the values from which on the samples count: smaller ratios are
 /// their own spread.
 const OVERLOOKED: f64 = 2.25;
-/// Probability beyond the ends of germs whose outcomes count too, with this weight: the mean may have its energy there alone.
+/// Probability beyond the ends of germs whose outcomes may count too, with this weight: the mean may have its energy there alone.
 const RARE: f64 = 1e-3;
+/// Part of the mean square error from which on they do.
+const COUNTS: f64 = 0.1;
 /// Part of an energy norm below which the energy of an outcome is none.
 const NO_ENERGY: f64 = 1e-3;
 /// Seed of these samples: not the scene's, which must not move the mesh that they refine.
@@ -40,7 +42,8 @@ pub(crate) fn mean_estimate(
     nominal: &Estimate,
 ) -> Result<Estimate, SolveError> {
     let outcomes = Outcomes::new(scene, random, body)?;
-    mean_over(scene, random, |points, weights| {
+    let ends = ends(random);
+    mean_over(scene, random, &ends, |points, weights| {
         let mut mean = nominal.clone();
         mean.doubts.retain(|doubt| *doubt != Doubt::Roundoff);
         let (mut error, mut scale) = (0.0, 0.0);
@@ -84,7 +87,7 @@ pub(super) fn mean_estimator(
     truncation: Option<f64>,
 ) -> Result<Estimator, SolveError> {
     let body = outcomes.body;
-    mean_over(scene, random, |points, weights| {
+    mean_over(scene, random, &[], |points, weights| {
         let (mut sums, mut scale) = ([0.0; ON_BOUNDARY.len()], 0.0);
         let mut warm: Option<Solution> = None;
         for (germs, weight) in points.iter().zip(weights) {
@@ -103,43 +106,48 @@ pub(super) fn mean_estimator(
     })
 }
 
-/// A mean over outcomes: those of the two-point Gauss rules of up to 4 germs, else 16 samples, and the ends of the germs. Where
+/// A mean over outcomes: those of the two-point Gauss rules of up to 4 germs, else 16 samples; and these ends of the germs, where
+/// their squared error, times their probability, is more than a tenth of it. Where
 /// data vanish at the points of the rules, q² - 1/3 of a uniform q, these see nothing: the mean of 8 samples of a Latin
 /// hypercube is taken where its squared error is much larger. `mean` of points and weights also gives the mean square error.
 fn mean_over<T>(
     scene: &Scene,
     random: &Random,
+    ends: &[Vec<f64>],
     mut mean: impl FnMut(&[Vec<f64>], &[f64]) -> Result<(f64, T), SolveError>,
 ) -> Result<T, SolveError> {
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
     let germs = variables.len();
-    let ends = ends(&variables, &random.nominal());
-    let mut with_ends = |mut points: Vec<Vec<f64>>, mut weights: Vec<f64>| {
-        points.extend(ends.iter().cloned());
-        weights.extend(ends.iter().map(|_| RARE));
-        mean(&points, &weights)
-    };
-    if germs > FEW {
+    let (chosen, (squared, told)) = if germs > FEW {
         let points: Vec<Vec<f64>> = (0..SAMPLES).map(|i| sample(&variables, SEED, i)).collect();
-        let weights = vec![1.0 / SAMPLES as f64; points.len()];
-        return Ok(with_ends(points, weights)?.1);
+        let rule = (points, vec![1.0 / SAMPLES as f64; SAMPLES as usize]);
+        let told = mean(&rule.0, &rule.1)?;
+        (rule, told)
+    } else {
+        let mut mesh = StochasticMesh::uniform(variables.clone(), &vec![1; germs], &vec![1; germs])?;
+        split_at_cuts(&mut mesh, scene.cuts(random))?;
+        let (mut points, mut weights) = (Vec::new(), Vec::new());
+        for cell in 0..mesh.cells.len() {
+            let basis: CellBasis = mesh.basis(cell, Nodes::Gauss)?;
+            points.extend(basis.points);
+            weights.extend(basis.weights);
+        }
+        let of_rule = mean(&points, &weights)?;
+        let samples = (latin_hypercube(&variables, BESIDE, SEED), vec![1.0 / BESIDE as f64; BESIDE]);
+        let of_samples = mean(&samples.0, &samples.1)?;
+        if of_samples.0 > OVERLOOKED * of_rule.0 { (samples, of_samples) } else { ((points, weights), of_rule) }
+    };
+    let rare = vec![RARE; ends.len()];
+    if ends.is_empty() || mean(ends, &rare)?.0 <= COUNTS * squared {
+        return Ok(told);
     }
-    let mut mesh = StochasticMesh::uniform(variables.clone(), &vec![1; germs], &vec![1; germs])?;
-    split_at_cuts(&mut mesh, scene.cuts(random))?;
-    let (mut points, mut weights) = (Vec::new(), Vec::new());
-    for cell in 0..mesh.cells.len() {
-        let basis: CellBasis = mesh.basis(cell, Nodes::Gauss)?;
-        points.extend(basis.points);
-        weights.extend(basis.weights);
-    }
-    let (squared, of_rule) = with_ends(points, weights)?;
-    let samples = latin_hypercube(&variables, BESIDE, SEED);
-    let (beside, of_samples) = with_ends(samples, vec![1.0 / BESIDE as f64; BESIDE])?;
-    Ok(if beside > OVERLOOKED * squared { of_samples } else { of_rule })
+    let (points, weights) = chosen;
+    Ok(mean(&[&points, ends].concat(), &[weights, rare].concat())?.1)
 }
 
 /// Each of a few germs alone at its ends, many of them all together.
-fn ends(variables: &[Variable], nominal: &[f64]) -> Vec<Vec<f64>> {
+fn ends(random: &Random) -> Vec<Vec<f64>> {
+    let (variables, nominal) = (random.germs.iter().map(|g| &g.variable).collect::<Vec<_>>(), random.nominal());
     let end = |v: &Variable, high: bool| {
         let bound = v.germ_support()[usize::from(high)];
         let quantile = v.quantile(if high { 1.0 - RARE } else { RARE });
@@ -150,8 +158,8 @@ fn ends(variables: &[Variable], nominal: &[f64]) -> Vec<Vec<f64>> {
     }
     let alone = |d: usize| {
         [false, true].map(|high| {
-            let mut germs = nominal.to_vec();
-            germs[d] = end(&variables[d], high);
+            let mut germs = nominal.clone();
+            germs[d] = end(variables[d], high);
             germs
         })
     };
