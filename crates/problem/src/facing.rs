@@ -184,7 +184,7 @@ impl Problem {
     }
 
     /// E* of a body; of an outcome of random input that of the mean, so that all outcomes have the same pairs.
-    pub(super) fn pairing_modulus(&self, body: usize) -> f64 {
+    pub fn pairing_modulus(&self, body: usize) -> f64 {
         self.paired_by.get(body).copied().unwrap_or_else(|| self.bodies[body].material().plane_modulus())
     }
 

@@ -97,9 +97,11 @@ impl OnMesh<'_> {
         Ok(joints)
     }
 
-    /// E/(1-ν²) of all elements.
+    /// E/(1-ν²) of all elements, by which sides are paired.
     pub(crate) fn moduli(&self) -> Vec<f64> {
-        (0..self.mesh.len()).map(|e| self.material_of(e).plane_modulus()).collect()
+        let (problem, edges) = (&self.scene.problem, self.scene.problem.outline.edges());
+        let body = |e: usize| problem.outline.body_of_loop(edges[self.mesh.edge[e]].loop_index);
+        (0..self.mesh.len()).map(|e| problem.pairing_modulus(body(e))).collect()
     }
 
     fn interface(&self, joint: &Joint) -> &Interface {
