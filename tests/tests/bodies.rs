@@ -287,6 +287,21 @@ fn jumps_of_tractions_load_both_bodies() {
     let told = solved(&text("[\"0\", \"-3\"]"), &["method.tolerance=1e-4"]);
     let reaction = told.reactions["lower.bottom"];
     assert!((reaction[1] - 10.0).abs() < 1e-9 && reaction[0].abs() < 1e-9, "{reaction:?}");
+    // of the body that is named first: 7 holds the upper one up, the lower one bears 7 and the jump
+    let (jump, orders) =
+        ("[\"0.1\", \"-3 + 2*x\"]", ["\"upper.bottom\", \"lower.top\"", "\"lower.top\", \"upper.bottom\""]);
+    let between = |order: &str| {
+        let text = text(jump);
+        let (before, after) = text.split_once("between = [").expect("an interface");
+        format!("{before}between = [{order}]{}", after.split_once(']').expect("two sides").1)
+    };
+    for (order, exact) in orders.into_iter().zip([[0.0, 7.0], [0.1, -10.0]]) {
+        let told = solved(&between(order), &["method.tolerance=1e-4"]);
+        let force = told.interfaces[0].force;
+        let lower = told.reactions["lower.bottom"];
+        println!("{order}: {force:?}, the bottom {lower:?}");
+        assert!((0..2).all(|i| (force[i] - exact[i]).abs() < 1e-8), "{order}: {force:?}, {exact:?}");
+    }
 }
 
 /// A gap that takes the distance of the bodies away leaves the rounding of both, which is none: dJ/dg = -F, F the force between

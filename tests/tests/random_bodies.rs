@@ -145,8 +145,23 @@ fn outcomes_are_scenes_of_their_own() {
          [random.F]\ndistribution = \"uniform\"\nlow = 0.5\nhigh = 1.5\n\
          [random.q]\ndistribution = \"uniform\"\nlow = -0.3\nhigh = 0.3\n[probe]\npoints = [[0, 0.5], [0.2, -0.3]]\n\
          [method]\nrefine = \"none\"\n";
+    // sides whose normals differ are paired by the moduli of the mean input in all outcomes
+    let cylinders = "title = \"cylinders\"\n[[body]]\nname = \"upper\"\ncorners = [[0, 0], [10, 10], [0, 10]]\n\
+         sides = [\"rim\", \"top\", \"axis\"]\narcs = { rim = { centre = [0, 10] } }\n\
+         material = { young = \"300*E\", poisson = 0.25 }\n[[body]]\nname = \"lower\"\n\
+         corners = [[0, -13], [13, -13], [0, 0]]\nsides = [\"bottom\", \"rim\", \"axis\"]\n\
+         arcs = { rim = { centre = [0, -13] } }\nmaterial = { young = \"290*F\", poisson = 0.3 }\n\
+         [sides.upper]\naxis = { displacement = [\"0\", \"free\"] }\ntop = { traction = [\"0\", \"-1.6\"] }\n\
+         [sides.lower]\naxis = { displacement = [\"0\", \"free\"] }\nbottom = { displacement = [\"free\", \"0\"] }\n\
+         [[interface]]\nbetween = [\"upper.rim\", \"lower.rim\"]\n\
+         contact = { gap = \"0.01*q\", friction = { coulomb = \"0.1*F\" } }\n\
+         [random.E]\ndistribution = \"uniform\"\nlow = 0.6\nhigh = 1.5\n\
+         [random.F]\ndistribution = \"lognormal\"\nmean = 1\ndeviation = 0.4\n\
+         [random.q]\ndistribution = \"uniform\"\nlow = -1\nhigh = 1\n[probe]\npoints = [[1, 5], [1, -5]]\n\
+         [method]\nrefine = \"none\"\nelements = 40\n";
     for (name, text) in [
         ("contact", format!("{BLOCKS}{contact}")),
+        ("cylinders", cylinders.to_owned()),
         ("tied", format!("{BLOCKS}{tied}")),
         ("medium", medium.to_owned()),
         ("crack", crack.to_owned()),

@@ -6,7 +6,7 @@ use crate::answer::normals::Normals;
 use crate::answer::reach::Entered;
 use crate::answer::report::summary_of_sides;
 use crate::data::joints::Joint;
-use crate::data::on_mesh::OnMesh;
+use crate::data::on_mesh::{OnMesh, TRACTION_JUMP};
 use crate::doubt::Doubt;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, Trace, max_pressure};
@@ -48,7 +48,7 @@ pub(crate) fn interface_numbers(
 ) -> Vec<InterfaceSummary> {
     let of = |interface: &Interface| match (&interface.law, &solved.contact) {
         (Law::Contact(_), Some(contact)) => of_contact(scene, solved.trace(), (interface, contact), rows, located),
-        _ => of_tie(scene, interface, &solved.ties),
+        _ => of_tie(scene, interface, solved),
     };
     scene.problem.joints().map(of).collect()
 }
@@ -121,9 +121,26 @@ fn audit(contact: &ContactResult, own: &[ContactRow], all: &[ContactRow]) -> Aud
     }
 }
 
-fn of_tie(scene: &Scene, interface: &Interface, ties: &[TieRow]) -> InterfaceSummary {
-    let own = ties.iter().filter(|tie| tie.name == interface.name);
-    let (mut force, mut length) = ([0.0; 2], 0.0);
+/// ∫ of the jump of the traction over a tie: the force on the body that is named first less that of the other body on it.
+fn jump_of_force(scene: &Scene, interface: &Interface, solved: &Solved) -> [f64; 2] {
+    let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
+    let mut force = [0.0; 2];
+    let summed = data.each_traction(&mut |side, name, expression, factor, direction| {
+        if name != TRACTION_JUMP || !interface.sides.contains(&side) {
+            return Ok(());
+        }
+        for (element, moment) in data.integrals(side, name, expression, factor)? {
+            force.iter_mut().zip(direction(element)).for_each(|(force, d)| *force += d * moment);
+        }
+        Ok(())
+    });
+    // the load has it too
+    summed.map_or([f64::NAN; 2], |()| force)
+}
+
+fn of_tie(scene: &Scene, interface: &Interface, solved: &Solved) -> InterfaceSummary {
+    let own = solved.ties.iter().filter(|tie| tie.name == interface.name);
+    let (mut force, mut length) = (jump_of_force(scene, interface, solved), 0.0);
     for TieRow { weight, traction, .. } in own {
         length += weight;
         let sign = if interface.place == Place::Second { -1.0 } else { 1.0 };

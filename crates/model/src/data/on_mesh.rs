@@ -51,6 +51,9 @@ pub type Factor<'a> = &'a (dyn Fn(&Site) -> f64 + Sync);
 pub type OfTraction<'a> =
     dyn FnMut(usize, &str, &Expression, Factor<'_>, &dyn Fn(usize) -> [f64; 2]) -> Result<(), SolveError> + 'a;
 
+/// The name of a jump of the traction across a tie.
+pub(crate) const TRACTION_JUMP: &str = "traction jump";
+
 /// Data that change within less than these parts of an edge and of an element are integrated separately.
 const NARROW: f64 = 1.0 / 128.0;
 const NARROW_IN_ELEMENT: f64 = 1.0 / 8.0;
@@ -149,6 +152,24 @@ impl OnMesh<'_> {
         Ok(Loads { nodal: load, bubbles: extra, unresolved })
     }
 
+    /// ∫ of a datum over each element of a side.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub(crate) fn integrals(
+        &self,
+        side: usize,
+        name: &str,
+        expression: &Expression,
+        factor: Factor<'_>,
+    ) -> Result<Vec<(usize, f64)>, SolveError> {
+        let function = self.times(expression, factor);
+        let found = side_moments(self.mesh, self.space, side, &function.datum(name));
+        let moments = found.map_err(|error| self.located(error, expression))?;
+        // the nodal functions add up to 1
+        Ok(moments.into_iter().map(|(e, moments)| (e, moments.iter().sum())).collect())
+    }
+
     /// The part of a datum that the elements of a side resolve; `raised` has their degrees plus one.
     pub(crate) fn followed(
         &self,
@@ -158,9 +179,7 @@ impl OnMesh<'_> {
         expression: &Expression,
         factor: Factor<'_>,
     ) -> Result<Vec<Followed>, SolveError> {
-        let plain = self.function(expression);
-        let value = move |site: &Site| (plain.value)(site) * factor(site);
-        let function = Function { value: Box::new(value), ..plain };
+        let function = self.times(expression, factor);
         let found = side_moments_and_squares(self.mesh, raised, side, &function.datum(name));
         let (moments, squares) = found.map_err(|error| self.located(error, expression))?;
         let of = |((element, mut moments), square): ((usize, Vec<f64>), f64)| {
@@ -275,7 +294,7 @@ impl OnMesh<'_> {
             };
             for (expression, direction) in jump.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                 for &side in interface.sides.iter().filter(|_| expression.constant() != Some(0.0)) {
-                    call(side, "traction jump", expression, &tied, &|_| direction)?;
+                    call(side, TRACTION_JUMP, expression, &tied, &|_| direction)?;
                 }
             }
         }
@@ -379,6 +398,12 @@ impl OnMesh<'_> {
             kinks: Box::new(move |e: usize| self.breaks(expression, e)),
             rounding: None,
         }
+    }
+
+    /// An expression times a factor.
+    fn times<'e>(&'e self, expression: &'e Expression, factor: Factor<'e>) -> Function<'e> {
+        let plain = self.function(expression);
+        Function { value: Box::new(move |site: &Site| (plain.value)(site) * factor(site)), ..plain }
     }
 
     /// Whether an expression changes within a small part of an element, or is not known there.
