@@ -1,7 +1,7 @@
 //! Random input on grids, against closed forms: bars of random cells, and a body that is pressed on a floor.
 
 use steklov_model::grid::GridLayout;
-use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic_on_grid};
+use steklov_model::stochastic::{End, Quantity, StochasticResult, solve_stochastic_on_grid};
 use steklov_problem::{Sampling, Scene};
 use steklov_stochastic::CellKarhunenLoeve;
 use steklov_tests::parse;
@@ -394,5 +394,18 @@ fn corrected_means_scatter_by_their_standard_errors() {
         let exact = deviation * deviation;
         println!("σ {sigma}: variance {variance}, exact {exact}, told {error}");
         assert!((variance - exact).abs() < error && error < 0.25 * exact, "σ {sigma}: {variance} {exact} {error}");
+    }
+}
+
+/// `max_nodes` bounds grid and outcomes together, and a tolerance that they do not reach is told.
+#[test]
+fn corrected_means_have_no_more_outcomes_than_allowed() {
+    let mut scene = bar(8, 0.5, 0.8, 4, "fem", 8);
+    for most in [1, 2, 5, 20, 40, 150] {
+        let settings = &mut scene.random.as_mut().expect("random input").stochastic;
+        (settings.method, settings.tolerance, settings.max_nodes) = (Sampling::Corrected, 0.01, most);
+        let result = outcomes(&scene);
+        assert!(result.solved <= most && result.points.len() == result.solved, "{most}: {}", result.solved);
+        assert_eq!(result.end, End::MaxNodes, "{most}");
     }
 }

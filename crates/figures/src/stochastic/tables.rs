@@ -159,18 +159,14 @@ pub fn shortfall(result: &StochasticResult) -> Option<String> {
         End::Rounds => "raise stochastic.tolerance",
         End::Solved | End::Tolerance => return None,
     };
-    if !result.levels.is_empty() {
-        let told = match result.end {
-            End::Rounds => {
-                "outcomes that no sample has seen may move means by more than their standard errors: lower it"
-                    .to_owned()
-            }
-            _ => format!("standard errors are above stochastic.tolerance times the deviations: {help}"),
-        };
-        return Some(format!("stochastic tolerance NOT REACHED: {told}"));
-    }
-    let truncation = result.truncation.unwrap_or(f64::NAN);
-    Some(format!("stochastic tolerance NOT REACHED: truncation {truncation:.1e} after {}: {help}", result.end.word()))
+    let told = match (result.truncation, result.end) {
+        (Some(truncation), end) => format!("truncation {truncation:.1e} after {}: {help}", end.word()),
+        (None, End::Rounds) => {
+            "outcomes that no sample has seen may move means by more than their standard errors: lower it".to_owned()
+        }
+        (None, _) => format!("standard errors are above stochastic.tolerance times the deviations: {help}"),
+    };
+    Some(format!("stochastic tolerance NOT REACHED: {told}"))
 }
 
 /// The warning if outcomes show, or may show, changes that the points miss.

@@ -11,12 +11,11 @@ use steklov_problem::{Random, Sampling, Stochastic};
 use steklov_stochastic::{Points, SparsePolynomials, Variable, sample, smolyak};
 
 use super::in_body::BodySums;
-use super::multilevel::spread;
 use super::one_by_one::OneByOne;
 use super::outcomes::Answer;
 use super::result::{End, OVERLOOKED, StochasticResult, UNDECIDED, Watch, of_grid};
 use super::samples::of_samples;
-use super::spread::is_rounding;
+use super::spread::{is_rounding, spread};
 use super::stage::OutcomeStage;
 use super::unseen::{Unseen, beside_samples, other_contact, unseen};
 use crate::error::SolveError;
@@ -69,14 +68,8 @@ impl Surrogate {
         watch: &Watch<'_>,
     ) -> Result<Self, SolveError> {
         let polynomials = grid.polynomials(variables, level)?;
-        let (mut answers, mut in_body) = (Vec::with_capacity(grid.points.len()), BodySums::default());
-        outcomes.stream(grid.points.len(), &|i| grid.points[i].clone(), watch, &mut |first, _, mut block| {
-            for (i, answer) in block.iter_mut().enumerate() {
-                in_body.push(grid.weights[first + i], &std::mem::take(&mut answer.in_body));
-            }
-            answers.extend(block);
-            Ok(())
-        })?;
+        // those of the level that is kept are handed on with the fresh ones
+        let (answers, in_body) = outcomes.at_points(&grid, watch, &mut |_| Ok(()))?;
         Ok(Self { grid, polynomials, answers, in_body })
     }
 
@@ -143,9 +136,10 @@ pub(super) fn of_corrected(
 ) -> Result<StochasticResult, SolveError> {
     let settings = &random.stochastic;
     let mut rule = Rule { outcomes, random, fresh: Fresh::default() };
-    rule.draw(FEW.min(settings.max_nodes), watch)?;
+    rule.draw(FEW.min(settings.max_nodes / 2), watch)?;
     let Some(surrogate) = rule.surrogate(watch)? else { return samples_alone(outcomes, random, watch, observe) };
-    let most = settings.max_nodes.saturating_sub(surrogate.answers.len()).max(FEW);
+    // a grid has half of them at most
+    let most = settings.max_nodes - surrogate.answers.len();
     let (mut end, mut missed);
     loop {
         end = loop {
@@ -166,8 +160,8 @@ pub(super) fn of_corrected(
         }
         rule.draw((GROWTH * have).min(most), watch)?;
     }
-    if missed.probability.is_some() {
-        end = End::MaxNodes;
+    if missed.probability.is_some() && end == End::Tolerance {
+        end = End::Rounds;
     }
     rule.gathered(surrogate, missed, end, observe)
 }
@@ -186,7 +180,11 @@ fn samples_alone(
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
     let mut result = of_samples(outcomes, &variables, random, watch, observe)?;
     beside_samples(&mut result, outcomes, random, watch)?;
-    result.end = if samples as f64 >= wanted && result.unseen.is_none() { End::Tolerance } else { End::MaxNodes };
+    result.end = match result.unseen {
+        _ if (samples as f64) < wanted => End::MaxNodes,
+        Some(_) => End::Rounds,
+        None => End::Tolerance,
+    };
     Ok(result)
 }
 
@@ -280,17 +278,18 @@ impl Rule<'_> {
             unseen(self.outcomes, self.random, &points, self.fresh.answers.len(), watch)?;
         let (other, seen) = (other_contact(&all), self.outcomes.data.seen(&points));
         let is_other = |answer: &Answer, germs: &[f64]| other(answer) || self.outcomes.data.differ(&seen, germs);
-        let others: Vec<_> = answers.iter().filter(|(answer, germs, _)| is_other(answer, germs)).collect();
+        let others = answers.iter().filter(|(answer, germs, _)| is_other(answer, germs));
+        let others: Vec<_> = others.map(|(answer, germs, p)| (answer, surrogate.values(germs), p)).collect();
         let mut missed = Missed { shifts: Vec::new(), probability: None, looked: answers.len() };
         for (k, Measured { mean, variance, residual, .. }) in surrogate.measured(&self.fresh).into_iter().enumerate() {
             let told = (residual / self.fresh.answers.len() as f64).sqrt();
             let allowed = told.max(self.random.stochastic.tolerance * variance.max(0.0).sqrt());
             let mut most = 0.0f64;
-            for (answer, germs, probability) in &others {
-                let shift = probability * (answer.quantities[k] - surrogate.values(germs)[k]).abs();
+            for (answer, foreseen, probability) in &others {
+                let shift = *probability * (answer.quantities[k] - foreseen[k]).abs();
                 most = most.max(shift);
                 if shift > OVERLOOKED * allowed && !is_rounding(shift, self.outcomes.scales[k].max(mean.abs())) {
-                    missed.probability = Some(missed.probability.map_or(*probability, |u: f64| u.max(*probability)));
+                    missed.probability = Some(missed.probability.map_or(**probability, |u: f64| u.max(**probability)));
                 }
             }
             missed.shifts.push(most);

@@ -12,7 +12,7 @@ use super::on_grid::{OutcomesOnGrid, numbers_of};
 use super::one_by_one::OneByOne;
 use super::outcomes::Answer;
 use super::result::{End, Level, StochasticResult, Watch, of_grid};
-use super::spread::is_rounding;
+use super::spread::{is_rounding, spread};
 use super::unseen::beside_samples;
 use crate::error::SolveError;
 use crate::grid::GridLayout;
@@ -193,12 +193,6 @@ impl Levels<'_> {
         }
         wanted
     }
-}
-
-/// Variance of values, as expected of samples.
-pub(super) fn spread(count: usize, value: &dyn Fn(usize) -> f64) -> f64 {
-    let mean = (0..count).map(value).sum::<f64>() / count as f64;
-    (0..count).map(|i| (value(i) - mean).powi(2)).sum::<f64>() / (count.max(2) - 1) as f64
 }
 
 /// Samples differences between the grids of a family until the standard error of each mean is `tolerance` times the standard

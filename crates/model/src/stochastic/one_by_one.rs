@@ -2,7 +2,7 @@
 
 use steklov_contact::Solution;
 use steklov_problem::{Random, Sampling};
-use steklov_stochastic::{Variable, smolyak, solve_points};
+use steklov_stochastic::{Points, Variable, smolyak, solve_points};
 
 use super::corrected::of_corrected;
 use super::in_body::BodySums;
@@ -52,21 +52,31 @@ impl OneByOne<'_> {
             return Ok(result);
         }
         let grid = smolyak(&variables, random.stochastic.level)?;
-        let mut answers = Vec::with_capacity(grid.points.len());
-        let mut sums = BodySums::default();
-        self.stream(grid.points.len(), &|i| grid.points[i].clone(), watch, &mut |first, germs, mut block| {
-            observe(OutcomeStage::Answers { first, count: grid.points.len(), answers: &block })?;
-            for (i, answer) in block.iter_mut().enumerate() {
-                sums.push(grid.weights[first + i], &std::mem::take(&mut answer.in_body));
-            }
-            drop(germs);
-            answers.extend(block);
-            Ok(())
-        })?;
+        let (answers, sums) = self.at_points(&grid, watch, observe)?;
         let mut result = of_grid(grid.points.clone(), grid.weights.clone(), &answers, self.numbers)?;
         result.in_body = sums.moments();
         beside_grid(&mut result, (&grid, &answers), self, random, watch)?;
         Ok(result)
+    }
+
+    /// Answers at points with weights, and the sums of the fields in the body, which the answers no longer have.
+    pub(super) fn at_points(
+        &self,
+        grid: &Points,
+        watch: &Watch<'_>,
+        observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
+    ) -> Result<(Vec<Answer>, BodySums), SolveError> {
+        let count = grid.points.len();
+        let (mut answers, mut sums) = (Vec::with_capacity(count), BodySums::default());
+        self.stream(count, &|i| grid.points[i].clone(), watch, &mut |first, _, mut block| {
+            observe(OutcomeStage::Answers { first, count, answers: &block })?;
+            for (i, answer) in block.iter_mut().enumerate() {
+                sums.push(grid.weights[first + i], &std::mem::take(&mut answer.in_body));
+            }
+            answers.extend(block);
+            Ok(())
+        })?;
+        Ok((answers, sums))
     }
 
     /// Answers `count` outcomes, their germs by number, and hands them on block by block.

@@ -16,6 +16,12 @@ const PARTS: [&[&str]; 2] = [
     &["contact.length", "contact.stick", "contact.slip"],
 ];
 
+/// Variance of values, as expected of samples.
+pub(super) fn spread(count: usize, value: &dyn Fn(usize) -> f64) -> f64 {
+    let mean = (0..count).map(value).sum::<f64>() / count as f64;
+    (0..count).map(|i| (value(i) - mean).powi(2)).sum::<f64>() / (count.max(2) - 1) as f64
+}
+
 /// The paths whose largest value is the scale of a quantity: its own, and those of what it is a component or part of.
 pub(super) fn of_one_scale(path: &str) -> Vec<String> {
     if let Some(parts) = PARTS.iter().find(|parts| parts.contains(&path)) {
