@@ -1,6 +1,6 @@
 //! A body on a mesh: its matrices, which no load changes, and its answer to loads.
 
-use faer::Mat;
+use faer::{Mat, Scale};
 use steklov_bem_operators::{Assembly, BoundaryField, Mesh, Space};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_elastic::RigidMotion;
@@ -124,7 +124,11 @@ impl Body {
         let pieces: Vec<Assembled> = self.pieces.iter().map(of).collect();
         let factors: Vec<f64> = pieces.iter().map(|body| body.modulus).collect();
         let condensation = self.condensation.with_moduli(&factors)?;
-        let stiffness = if self.stiffness.nrows() > 0 { condensation.stiffness()? } else { Mat::new() };
+        let stiffness = match (&self.pieces[..], &factors[..]) {
+            _ if self.stiffness.nrows() == 0 => Mat::new(),
+            ([before], [factor]) => &self.stiffness * Scale(factor / before.modulus),
+            _ => condensation.stiffness()?,
+        };
         Ok(Self {
             largest_diagonal: condensation.largest_diagonal(),
             mesh: self.mesh.clone(),
