@@ -300,3 +300,65 @@ fn what_elements_leave_of_a_jump_has_the_energy_of_both_compliances() {
     assert_eq!(jump.iter().filter(|energy| (*energy / wanted - 1.0).abs() < 1e-10).count(), 8, "{jump:?} {wanted}");
     assert_eq!(jump.iter().filter(|energy| **energy == 0.0).count(), 8, "{jump:?}");
 }
+
+/// Cells that differ in ν: the work of multiscale elements approaches that of bilinear ones from below as coarse cells shrink,
+/// and the estimate bounds what is missing.
+#[test]
+fn ratios_from_cell_to_cell_in_multiscale_elements() {
+    let cells = "[material.cells]\nsize = 0.125\nyoung = { uniform = [1.0, 3.0], seed = 3 }\n\
+                 poisson = { uniform = [0.0, 0.45], seed = 4 }";
+    let sides = held("d", ["0", "0"]) + &pulled('b', ["0", "-1"]);
+    let solved = |basis: &str, coarse: [usize; 2], fine: usize| {
+        let (model, basis) = if basis == "fem" { ("fem", "coupled") } else { ("msfem", basis) };
+        let text = format!(
+            "title = \"ratios\"\n[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\"]\n\
+             {cells}\n{sides}\n[grid]\ncoarse = {coarse:?}\nfine = [{fine}, {fine}]\nbasis = \"{basis}\"\n\
+             [method]\nmodel = \"{model}\"\nrefine = \"none\"\n"
+        );
+        on_grid(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+    };
+    let exact = solved("fem", [32, 16], 1).strain_energy;
+    for basis in ["q1", "linear", "coupled", "oscillatory"] {
+        let mut last = f64::INFINITY;
+        for fine in [8, 4, 2] {
+            let summary = solved(basis, [32 / fine, 16 / fine], fine);
+            let error = f64::sqrt(2.0 * (exact - summary.strain_energy));
+            let estimate = summary.grid.expect("a grid").estimate_multiscale.expect("an estimate");
+            assert!(error < last && (1.0..5.0).contains(&(estimate / error)), "{basis} {fine}: {error}, {estimate}");
+            last = error;
+        }
+    }
+    let same = solved("coupled", [32, 16], 1).strain_energy;
+    assert!((same / exact - 1.0).abs() < 1e-12, "{same} and {exact}");
+}
+
+/// The part of a body that has the material of the medium may be body or medium: an inclusion of other E and ν in both.
+#[test]
+fn ratios_from_cell_to_cell_in_a_medium() {
+    let cells = "[material.cells]\nsize = 0.125\nyoung = \"if(max(abs(x), abs(y)) < 0.5, 2, 1)\"\n\
+                 poisson = \"if(max(abs(x), abs(y)) < 0.5, 0.4, 0.25)\"";
+    let solved = |half: f64, coarse: usize, model: &str, fine: usize| {
+        let text = format!(
+            "title = \"inclusion\"\n[body]\ncorners = [[-{half:?}, -{half:?}], [{half:?}, -{half:?}], [{half:?}, {half:?}], [-{half:?}, {half:?}]]\n\
+             sides = [\"a\", \"b\", \"c\", \"d\"]\n{cells}\n[exterior]\nyoung = 1.0\npoisson = 0.25\nremote_stress = [1, 0, 0]\n\
+             [grid]\ncoarse = [{coarse}, {coarse}]\nfine = [{fine}, {fine}]\n[method]\nmodel = \"{model}\"\nrefine = \"none\"\n\
+             [probe]\npoints = [[0, 0], [0.25, 0.25]]\n"
+        );
+        on_grid(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+    };
+    let (alone, within) = (solved(0.5, 16, "fem-bem", 1), solved(1.0, 32, "fem-bem", 1));
+    let multiscale = solved(1.0, 16, "msfem-bem", 2);
+    for (other, bound) in [(&within, 2e-3), (&multiscale, 5e-2)] {
+        for (a, b) in alone.probe.iter().zip(&other.probe) {
+            // stresses of 1, displacements of .1; the estimate of the multiscale elements is 5 %
+            for k in 0..2 {
+                let difference = (a.displacement[k] - b.displacement[k]).abs();
+                assert!(difference <= 0.1 * bound, "{:?} and {:?}", a.displacement, b.displacement);
+            }
+            for k in 0..3 {
+                let difference = (a.stress[k] - b.stress[k]).abs();
+                assert!(difference <= bound, "{:?} and {:?}", a.stress, b.stress);
+            }
+        }
+    }
+}

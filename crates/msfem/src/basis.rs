@@ -9,8 +9,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use faer::Mat;
 use steklov_algebra::Lu;
 
-use crate::MsfemError;
+use crate::body::CellMatrices;
 use crate::local::{Columns, Freedom, LocalProblem, cell_dofs, nodes};
+use crate::{HeterogeneousBody, MsfemError};
 
 /// The boundary values of the basis functions of a coarse cell; inside they satisfy div σ = 0 on the fine cells.
 ///
@@ -89,13 +90,13 @@ impl CellBasis {
     }
 }
 
-/// The data on which a basis depends: the moduli of a patch of cells around a coarse cell.
+/// The data on which a basis depends: a patch of cells around a coarse cell.
 #[derive(Debug, Clone)]
 pub(crate) struct Patch {
     /// Cells of the patch.
     pub size: [usize; 2],
-    /// Their moduli, (i, j) at i·n + j.
-    pub young: Vec<f64>,
+    /// Their numbers in the body, (i, j) at i·n + j.
+    pub cells: Vec<usize>,
     /// First cell of T in the patch.
     pub first: [usize; 2],
     /// Cells of T.
@@ -105,10 +106,10 @@ pub(crate) struct Patch {
 }
 
 impl Patch {
-    /// The moduli of T.
-    pub fn inner_young(&self) -> Vec<f64> {
+    /// The cells of T.
+    pub fn inner_cells(&self) -> Vec<usize> {
         let [m, n] = self.inner;
-        let at = |c: usize| self.young[(self.first[0] + c / n) * self.size[1] + self.first[1] + c % n];
+        let at = |c: usize| self.cells[(self.first[0] + c / n) * self.size[1] + self.first[1] + c % n];
         (0..m * n).map(at).collect()
     }
 }
@@ -180,14 +181,10 @@ fn complete(values: &mut Columns, [m, n]: [usize; 2], [hx, hy]: [f64; 2]) {
 }
 
 /// Σ_e R_eᵀ K_e R_e over the cells of T.
-pub(crate) fn coarse_stiffness(
-    size: [usize; 2],
-    young: &[f64],
-    values: &Columns,
-    unit: &[[f64; 8]; 8],
-) -> [[f64; 8]; 8] {
+pub(crate) fn coarse_stiffness(size: [usize; 2], cells: &CellMatrices, values: &Columns) -> [[f64; 8]; 8] {
     let mut stiffness = [[0.0; 8]; 8];
-    for (cell, &young) in young.iter().enumerate() {
+    for cell in 0..size[0] * size[1] {
+        let (young, unit) = cells.of(cell);
         let rows = cell_dofs(size, cell / size[1], cell % size[1]).map(|d| values[d]);
         for (a, unit) in unit.iter().enumerate() {
             let mut force = [0.0; 8];
@@ -227,24 +224,24 @@ impl Structures {
     }
 }
 
-/// The basis of T in its patch; `spacing` and `unit` are those of the fine cells.
+/// The basis of T in its patch of a body.
 pub(crate) fn cell_basis(
     kind: Basis,
     patch: &Patch,
-    spacing: [f64; 2],
-    unit: &[[f64; 8]; 8],
+    body: &HeterogeneousBody,
     structures: &Structures,
 ) -> Result<CellBasis, MsfemError> {
-    let size = patch.size;
+    let (size, spacing) = (patch.size, body.grid.spacing);
+    let cells = body.matrices(&patch.cells);
     let mut values = match kind {
         Basis::Q1 => bilinear(size),
         Basis::Linear => {
             let mut values = bilinear(size);
             for k in 0..2 {
                 let problem = structures.get(size, Freedom::Component(k))?;
-                let factor = problem.factorise(&patch.young, unit)?;
+                let factor = problem.factorise(&cells)?;
                 let mut solved = bilinear(size);
-                problem.solve(factor.as_ref(), &patch.young, unit, &mut solved, &[k, 2 + k, 4 + k], None);
+                problem.solve(factor.as_ref(), &cells, &mut solved, &[k, 2 + k, 4 + k], None);
                 for node in 0..nodes(size) {
                     let row = &solved[2 * node + k];
                     let known = [row[k], row[2 + k], row[4 + k]];
@@ -256,17 +253,17 @@ pub(crate) fn cell_basis(
         }
         Basis::Coupled | Basis::Oscillatory | Basis::Oversampled(_) => {
             let problem = structures.get(size, Freedom::Interior)?;
-            let factor = problem.factorise(&patch.young, unit)?;
+            let factor = problem.factorise(&cells)?;
             let mut values = boundary_data(size, patch.edges.as_ref());
-            problem.solve(factor.as_ref(), &patch.young, unit, &mut values, &[0, 1, 2, 3, 4], None);
+            problem.solve(factor.as_ref(), &cells, &mut values, &[0, 1, 2, 3, 4], None);
             complete(&mut values, size, spacing);
             values
         }
         Basis::Periodic => {
             let problem = structures.get(size, Freedom::Periodic)?;
-            let factor = problem.factorise(&patch.young, unit)?;
+            let factor = problem.factorise(&cells)?;
             let mut values = bilinear(size);
-            problem.solve(factor.as_ref(), &patch.young, unit, &mut values, &[0, 1, 2, 3, 4], None);
+            problem.solve(factor.as_ref(), &cells, &mut values, &[0, 1, 2, 3, 4], None);
             complete(&mut values, size, spacing);
             values
         }
@@ -274,7 +271,7 @@ pub(crate) fn cell_basis(
     if patch.inner != size {
         values = restrict(&values, patch);
     }
-    let stiffness = coarse_stiffness(patch.inner, &patch.inner_young(), &values, unit);
+    let stiffness = coarse_stiffness(patch.inner, &body.matrices(&patch.inner_cells()), &values);
     Ok(CellBasis { size: patch.inner, values, stiffness })
 }
 

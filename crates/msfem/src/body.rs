@@ -18,7 +18,7 @@ pub struct HeterogeneousBody {
     /// ν of each cell, dropped ones included, where cells differ in it.
     poisson: Option<Vec<f64>>,
     /// K₀ of a cell, and its parts of λ and μ alone.
-    pub(crate) unit: [[f64; 8]; 8],
+    unit: [[f64; 8]; 8],
     parts: [[[f64; 8]; 8]; 2],
 }
 
@@ -79,6 +79,22 @@ impl HeterogeneousBody {
         let [of_lambda, of_mu] = &self.parts;
         *own = std::array::from_fn(|a| std::array::from_fn(|b| lambda * of_lambda[a][b] + mu * of_mu[a][b]));
         own
+    }
+
+    /// The stiffness matrices of some cells.
+    pub(crate) fn matrices(&self, cells: &[usize]) -> CellMatrices {
+        let own = |&cell: &usize| *self.unit_of(cell, &mut [[0.0; 8]; 8]);
+        let units = if self.poisson.is_some() { cells.iter().map(own).collect() } else { vec![self.unit] };
+        CellMatrices { young: cells.iter().map(|&cell| self.young[cell]).collect(), units }
+    }
+
+    /// The modulus of a bar along a side of a cell: E/(1-ν²) where cells differ in ν, else E, which differs from it by one factor
+    /// for all.
+    pub(crate) fn bar_modulus(&self, cell: usize) -> f64 {
+        match &self.poisson {
+            Some(poisson) => self.young[cell] / (1.0 - poisson[cell] * poisson[cell]),
+            None => self.young[cell],
+        }
     }
 
     /// The stress at a local point of a cell with these displacements.
@@ -220,6 +236,20 @@ impl HeterogeneousBody {
         let shape = crate::elasticity::shape(local);
         let displacement = [0, 1].map(|i| (0..4).map(|a| shape[a] * values[2 * a + i]).sum());
         Some((displacement, self.stress(cell, &values, local)))
+    }
+}
+
+/// E K₀ of some cells.
+pub(crate) struct CellMatrices {
+    young: Vec<f64>,
+    /// K₀ of each cell, or one of all.
+    units: Vec<[[f64; 8]; 8]>,
+}
+
+impl CellMatrices {
+    /// E and K₀ of a cell.
+    pub fn of(&self, cell: usize) -> (f64, &[[f64; 8]; 8]) {
+        (self.young[cell], &self.units[if self.units.len() == 1 { 0 } else { cell }])
     }
 }
 

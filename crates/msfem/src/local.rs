@@ -3,6 +3,7 @@
 use faer::{Mat, Par};
 
 use crate::MsfemError;
+use crate::body::CellMatrices;
 use crate::cholesky::{Cholesky, Lower, Structure};
 use crate::grid::NONE;
 use crate::ordering::Incidence;
@@ -128,14 +129,15 @@ impl LocalProblem {
         Ok(())
     }
 
-    /// The factor of Pᵀ K P; None without free displacements. `young` has the moduli of the cells, (i, j) at i·n + j.
+    /// The factor of Pᵀ K P; None without free displacements. `cells` has the matrices of the cells, (i, j) at i·n + j.
     ///
     /// # Errors
     /// As [`Structure::factorise`].
-    pub fn factorise(&self, young: &[f64], unit: &[[f64; 8]; 8]) -> Result<Option<Cholesky>, MsfemError> {
+    pub fn factorise(&self, cells: &CellMatrices) -> Result<Option<Cholesky>, MsfemError> {
         let Some(structure) = &self.structure else { return Ok(None) };
         let mut entries = vec![0.0; structure.pattern.rows.len()];
-        for (slots, &young) in self.slots.iter().zip(young) {
+        for (cell, slots) in self.slots.iter().enumerate() {
+            let (young, unit) = cells.of(cell);
             for (k, &slot) in slots.iter().enumerate() {
                 if slot != NONE {
                     entries[slot as usize] += young * unit[k / 8][k % 8];
@@ -149,8 +151,7 @@ impl LocalProblem {
     pub fn solve(
         &self,
         factor: Option<&Cholesky>,
-        young: &[f64],
-        unit: &[[f64; 8]; 8],
+        cells: &CellMatrices,
         given: &mut Columns,
         columns: &[usize],
         load: Option<&[f64]>,
@@ -162,6 +163,7 @@ impl LocalProblem {
             if values == [[0.0; 8]; 8] {
                 continue;
             }
+            let (young, unit) = cells.of(cell);
             for (a, row) in unit.iter().enumerate() {
                 let unknown = self.unknown[dofs[a]];
                 if unknown == NONE {
@@ -172,7 +174,7 @@ impl LocalProblem {
                     (0..8).for_each(|c| force[c] += k * g[c]);
                 }
                 for (k, &c) in columns.iter().enumerate() {
-                    rhs[(unknown as usize, k)] -= young[cell] * force[c];
+                    rhs[(unknown as usize, k)] -= young * force[c];
                 }
             }
         }

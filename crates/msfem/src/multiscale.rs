@@ -66,10 +66,6 @@ impl<'a> Multiscale<'a> {
     /// # Errors
     /// [`MsfemError::Inconsistent`] for hanging vertices and a basis that is not conforming.
     pub fn new(body: &'a HeterogeneousBody, mesh: CoarseMesh, basis: Basis) -> Result<Self, MsfemError> {
-        if body.poisson().is_some() {
-            let what = "multiscale elements are of one Poisson's ratio, and cells differ in it".to_owned();
-            return Err(MsfemError::Inconsistent { what });
-        }
         if !basis.is_conforming() && !mesh.hanging.is_empty() {
             let what = format!("cells of different sizes need a conforming basis, not \"{}\"", basis.word());
             return Err(MsfemError::Inconsistent { what });
@@ -174,7 +170,7 @@ impl<'a> Multiscale<'a> {
     /// # Errors
     /// [`MsfemError::Singular`] where moduli of too many magnitudes meet.
     pub fn cell_basis(&self, cell: usize) -> Result<CellBasis, MsfemError> {
-        cell_basis(self.basis, &self.patch(cell), self.body.grid.spacing, &self.body.unit, &self.structures)
+        cell_basis(self.basis, &self.patch(cell), self.body, &self.structures)
     }
 
     /// The coarse problem of some loads. `go_on` gets the share of the patterns that are done, and stops the work by returning
@@ -299,10 +295,10 @@ impl<'a> Multiscale<'a> {
             }
         }
         let problem = self.structures.get(coarse.size, Freedom::Interior)?;
-        let young: Vec<f64> = coarse.fine_cells(grid).map(|c| self.body.young[c]).collect();
-        let factor = problem.factorise(&young, &self.body.unit)?;
+        let cells = self.body.matrices(&coarse.fine_cells(grid).collect::<Vec<_>>());
+        let factor = problem.factorise(&cells)?;
         let load = loaded.then_some(&load[..]);
-        problem.solve(factor.as_ref(), &young, &self.body.unit, &mut field, &[0], load);
+        problem.solve(factor.as_ref(), &cells, &mut field, &[0], load);
         Ok(Some(field.iter().map(|row| row[0]).collect()))
     }
 

@@ -1,5 +1,5 @@
-//! Which coarse cells share a basis: those whose moduli, and the moduli around them on which their basis depends, have one
-//! pattern.
+//! Which coarse cells share a basis: those whose materials, and the materials around them on which their basis depends, have
+//! one pattern.
 
 use std::collections::HashMap;
 
@@ -9,15 +9,15 @@ use crate::basis::{Basis, Patch};
 use crate::multiscale::{BATCH, Multiscale};
 
 impl Multiscale<'_> {
-    /// Moduli along the lower, right, upper and left edge of a coarse cell: the harmonic mean of the two fine cells at each
-    /// fine side, or that of the one cell in the body.
+    /// Moduli of a bar along the lower, right, upper and left edge of a coarse cell: the harmonic mean of the two fine cells at
+    /// each fine side, or that of the one cell in the body.
     pub(crate) fn edge_moduli(&self, cell: usize) -> [Vec<f64>; 4] {
         let grid = &self.body.grid;
         let [nx, ny] = grid.cells;
         let ([i, j], [m, n]) = (self.mesh.cells[cell].first, self.mesh.cells[cell].size);
         let young = |ix: Option<usize>, iy: Option<usize>| {
             let (ix, iy) = (ix.filter(|ix| *ix < nx)?, iy.filter(|iy| *iy < ny)?);
-            grid.inside(ix, iy).then(|| self.body.young[ix * ny + iy])
+            grid.inside(ix, iy).then(|| self.body.bar_modulus(ix * ny + iy))
         };
         let mean = |a: Option<f64>, b: Option<f64>| match (a, b) {
             (Some(a), Some(b)) => 2.0 / (1.0 / a + 1.0 / b),
@@ -30,7 +30,7 @@ impl Multiscale<'_> {
         [row(j), column(i + m), row(j + n), column(i)]
     }
 
-    /// The moduli on which the basis of a cell depends.
+    /// The materials on which the basis of a cell depends.
     pub(crate) fn patch(&self, cell: usize) -> Patch {
         let grid = &self.body.grid;
         let [nx, ny] = grid.cells;
@@ -55,23 +55,26 @@ impl Multiscale<'_> {
             }
         }
         let size = [high[0] - low[0], high[1] - low[1]];
-        let young = |c: usize| self.body.young[(low[0] + c / size[1]) * ny + low[1] + c % size[1]];
+        let cell_at = |c: usize| (low[0] + c / size[1]) * ny + low[1] + c % size[1];
         Patch {
             size,
-            young: (0..size[0] * size[1]).map(young).collect(),
+            cells: (0..size[0] * size[1]).map(cell_at).collect(),
             first: [i - low[0], j - low[1]],
             inner,
             edges: (self.basis == Basis::Oscillatory).then(|| self.edge_moduli(cell)),
         }
     }
 
-    /// The common key of cells with equal bases: sizes, and moduli up to a factor.
+    /// The common key of cells with equal bases: sizes, moduli up to a factor, and Poisson's ratios where they differ.
     fn key(&self, cell: usize) -> Vec<u64> {
         let patch = self.patch(cell);
         let reference = self.reference(cell);
         let sizes = [patch.size, patch.first, patch.inner].into_iter().flatten().map(|n| n as u64);
-        let moduli = patch.young.iter().chain(patch.edges.iter().flatten().flatten());
-        sizes.chain(moduli.map(|e| (e / reference).to_bits())).collect()
+        let young = patch.cells.iter().map(|&c| self.body.young[c]);
+        let moduli = young.chain(patch.edges.iter().flatten().flatten().copied());
+        let ratios =
+            self.body.poisson().into_iter().flat_map(|ratios| patch.cells.iter().map(|&c| ratios[c].to_bits()));
+        sizes.chain(moduli.map(|e| (e / reference).to_bits())).chain(ratios).collect()
     }
 
     /// The modulus to which those of a cell are referred: that of its lower left fine cell.

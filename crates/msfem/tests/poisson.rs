@@ -67,9 +67,97 @@ fn ratios_that_fit_no_body_are_refused() {
     assert!(body(1, 0.3, plane).with_poisson(ratios.clone()).is_ok());
     ratios[0] = 0.5;
     assert!(matches!(body(1, 0.3, plane).with_poisson(ratios), Err(MsfemError::Poisson { .. })));
-    let grid = Grid::new([0.0; 2], [0.25; 2], [4, 4], |_, _| true).unwrap();
-    let whole = HeterogeneousBody::new(grid, vec![1.0; 16], Elasticity::new(0.3, plane).unwrap()).unwrap();
-    let whole = whole.with_poisson(vec![0.2; 16]).unwrap();
-    let mesh = CoarseMesh::uniform(&whole.grid, [2, 2]).unwrap();
-    assert!(matches!(Multiscale::new(&whole, mesh, Basis::Coupled), Err(MsfemError::Inconsistent { .. })));
+}
+
+/// 6 by 6 cells with moduli of their own.
+fn square(seed: u64) -> HeterogeneousBody {
+    let grid = Grid::rectangle([1.2, 0.9], [6, 6]).unwrap();
+    let young = (0..36).map(|c| 1.0 + unit_uniform(seed, c)).collect();
+    HeterogeneousBody::new(grid, young, Elasticity::new(0.3, Plane::Strain).unwrap()).unwrap()
+}
+
+const BASES: [Basis; 6] =
+    [Basis::Q1, Basis::Linear, Basis::Coupled, Basis::Oscillatory, Basis::Oversampled(1), Basis::Periodic];
+
+#[test]
+fn equal_ratios_have_the_bases_of_one_ratio() {
+    let (one, equal) = (square(3), square(3).with_poisson(vec![0.3; 36]).unwrap());
+    for basis in BASES {
+        let [a, b] = [&one, &equal].map(|body| {
+            let mesh = CoarseMesh::uniform(&body.grid, [3, 3]).unwrap();
+            Multiscale::new(body, mesh, basis).unwrap()
+        });
+        assert_eq!(a.patterns(), b.patterns());
+        for cell in 0..4 {
+            let (a, b) = (a.cell_basis(cell).unwrap(), b.cell_basis(cell).unwrap());
+            for (a, b) in a.values.iter().flatten().zip(b.values.iter().flatten()) {
+                assert!((a - b).abs() < 1e-13, "{basis:?}: {a} and {b}");
+            }
+            for (a, b) in a.stiffness.iter().flatten().zip(b.stiffness.iter().flatten()) {
+                assert!((a - b).abs() < 1e-13, "{basis:?}: {a} and {b}");
+            }
+        }
+    }
+}
+
+/// Inside of a coarse cell the fields of its basis are in equilibrium with each fine cell's own material, and their energy is the
+/// coarse stiffness; rigid motions have none.
+#[test]
+fn bases_are_in_equilibrium_with_the_material_of_each_cell() {
+    let ratios: Vec<f64> = (0..36).map(|c| -0.4 + 0.88 * unit_uniform(8, c)).collect();
+    let body = square(5).with_poisson(ratios).unwrap();
+    let scale = 2.0 / (1.0 - 2.0 * 0.48);
+    for basis in BASES {
+        let problem = Multiscale::new(&body, CoarseMesh::uniform(&body.grid, [6, 6]).unwrap(), basis).unwrap();
+        let own = problem.cell_basis(0).unwrap();
+        // the only coarse cell: nodes of its basis run along x first
+        let at = |node: usize| {
+            let [i, j] = body.grid.lattice(node);
+            j * 7 + i
+        };
+        let field = |c: usize| -> Vec<f64> {
+            (0..body.grid.dofs()).map(|dof| own.values[2 * at(dof / 2) + dof % 2][c]).collect()
+        };
+        let fields: Vec<Vec<f64>> = (0..8).map(field).collect();
+        for (a, u) in fields.iter().enumerate() {
+            for (b, v) in fields.iter().enumerate() {
+                assert!((body.energy(u, v) - own.stiffness[a][b]).abs() < 1e-12 * scale, "{basis:?}");
+            }
+            if matches!(basis, Basis::Q1 | Basis::Linear) {
+                continue;
+            }
+            let forces = body.forces(u);
+            let inside = |node: &usize| body.grid.lattice(*node).iter().all(|i| (1..6).contains(i));
+            let largest = (0..body.grid.nodes())
+                .filter(inside)
+                .fold(0.0f64, |m, n| m.max(forces[2 * n].abs()).max(forces[2 * n + 1].abs()));
+            assert!(largest < 1e-12 * scale, "{basis:?}: {largest}");
+        }
+        let corners = [[0.0, 0.0], [1.2, 0.0], [1.2, 0.9], [0.0, 0.9]];
+        let rotation: Vec<f64> = corners.iter().flat_map(|[x, y]| [-y, *x]).collect();
+        for row in own.stiffness {
+            let force: f64 = row.iter().zip(&rotation).map(|(k, u)| k * u).sum();
+            assert!(force.abs() < 1e-12 * scale, "{basis:?}: {force}");
+        }
+    }
+}
+
+/// Cells that differ in ν alone have bases of their own, and equal pairs of E up to a factor and ν share one.
+#[test]
+fn patterns_see_the_ratio() {
+    let grid = Grid::rectangle([1.0; 2], [4, 4]).unwrap();
+    let body = |young: &dyn Fn(usize) -> f64, ratio: &dyn Fn(usize) -> f64| {
+        let material = Elasticity::new(0.3, Plane::Strain).unwrap();
+        let body = HeterogeneousBody::new(grid.clone(), (0..16).map(young).collect(), material).unwrap();
+        body.with_poisson((0..16).map(ratio).collect()).unwrap()
+    };
+    let patterns = |body: &HeterogeneousBody| {
+        let mesh = CoarseMesh::uniform(&body.grid, [2, 2]).unwrap();
+        Multiscale::new(body, mesh, Basis::Coupled).unwrap().patterns()
+    };
+    // columns of cells: c / 4 is the place along x
+    assert_eq!(patterns(&body(&|_| 1.0, &|_| 0.2)), 1);
+    assert_eq!(patterns(&body(&|c| if c < 8 { 1.0 } else { 7.0 }, &|_| 0.2)), 1);
+    assert_eq!(patterns(&body(&|_| 1.0, &|c| if c < 8 { 0.2 } else { 0.4 })), 2);
+    assert_eq!(patterns(&body(&|_| 1.0, &|c| if c / 4 % 2 == 0 { 0.2 } else { 0.4 })), 1);
 }

@@ -11,12 +11,10 @@ use super::{
 impl Scene {
     /// The model that is used, never [`Model::Auto`]: boundary elements unless the material or the body force differs from
     /// place to place; then multiscale finite elements, or finite elements where a coarse cell is one fine cell; with boundary
-    /// elements around them where there is a medium. Cells that differ in Poisson's ratio, and families of
-    /// grids, are finite elements.
+    /// elements around them where there is a medium. Families of grids are finite elements.
     pub fn model(&self) -> Model {
-        let several_ratios = self.body().cells().is_some_and(|cells| cells.poisson.is_some());
         let levels = self.random.as_ref().is_some_and(|random| random.stochastic.method == Sampling::Multilevel);
-        let one_fine_cell = several_ratios || levels || self.body().grid.is_some_and(|grid| grid.fine == [1, 1]);
+        let one_fine_cell = levels || self.body().grid.is_some_and(|grid| grid.fine == [1, 1]);
         match (self.method.model, self.problem.medium().is_some()) {
             (Model::Auto, _) if !self.varies() => Model::Bem,
             (Model::Auto, false) if one_fine_cell => Model::Fem,
@@ -162,13 +160,6 @@ impl Scene {
         }
         let Some(cells) = self.body().cells() else { return Ok(()) };
         check_modulus_cells(self, cells, grid.cells())?;
-        if cells.poisson.is_some() && self.model() != Model::Fem {
-            let message =
-                "cells with Poisson's ratios of their own are solved by bilinear elements, without a medium".to_owned();
-            let help = "set method.model = \"fem\" and leave out [exterior], or give one ratio as material.poisson";
-            let keys = &[vec!["material", "cells", "poisson"], vec!["material"]];
-            return Err(DataError::at(Kind::Unsupported, keys, message, help));
-        }
         poisson_ratios(self, &grid_of(self)?).map(drop)
     }
 }

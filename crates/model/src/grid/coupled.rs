@@ -5,6 +5,7 @@ use std::time::Instant;
 use steklov_bem_operators::{Datum, Mesh, Site, Space};
 use steklov_contact::oscillation;
 use steklov_coupling::{Coupled, CouplingError, Form, InterfaceIndicators, Interior, Jumps, Medium, Transmission};
+use steklov_elastic::Material;
 use steklov_elastic::plane::{cross, distance, dot, minus};
 use steklov_msfem::{CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, Multiscale};
 use steklov_problem::{Scene, Surroundings};
@@ -216,8 +217,10 @@ fn jump_oscillation(
     let (mesh, space) = (&exterior.mesh, &exterior.space);
     let mut energies = vec![0.0; mesh.len()];
     let around = medium.material.plane_modulus();
-    // E* over E of the body
-    let plane = scene.body().material().plane_modulus() / scene.body().material().young;
+    let plane_modulus = |cell: usize| {
+        let poisson = body.elasticity_of(cell).poisson;
+        Material { young: body.young[cell], poisson, ..scene.body().material() }.plane_modulus()
+    };
     for expression in medium.tie.displacement_jump.iter().flatten().filter(|jump| jump.constant().is_none()) {
         let value = |site: &Site| {
             let s = on_interface(scene, site.point).1;
@@ -227,7 +230,7 @@ fn jump_oscillation(
         for (e, energy) in energies.iter_mut().enumerate() {
             let ([x, y], [nx, ny], within) = (mesh.point(e, 0.0), mesh.normal(e, 0.0), 1e-6 * mesh.length(e));
             let cell = body.grid.locate([x - within * nx, y - within * ny]);
-            let body = cell.map_or(around, |(cell, _)| plane * body.young[cell]);
+            let body = cell.map_or(around, |(cell, _)| plane_modulus(cell));
             *energy += oscillation(mesh, space, e, &datum)? / (2.0 * (1.0 / body + 1.0 / around));
         }
     }
