@@ -22,6 +22,7 @@ mod grid_identities;
 mod grid_limits;
 mod inclusions;
 mod invariance;
+mod many_modes;
 mod media;
 mod multipliers;
 mod narrow_data;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use proptest::prelude::*;
 use steklov_model::summary::Summary;
 use steklov_problem::Scene;
-use steklov_tests::{attempt_grid, on_grid, parse};
+use steklov_tests::{adapt, attempt_grid, on_grid, parse};
 
 const CONFORMING: [&str; 5] = ["fem", "linear", "coupled", "oscillatory", "q1"];
 const ALL: [&str; 7] = ["fem", "linear", "coupled", "oscillatory", "q1", "oversampled", "periodic"];
@@ -360,5 +360,30 @@ fn ratios_from_cell_to_cell_in_a_medium() {
                 assert!(difference <= bound, "{:?} and {:?}", a.stress, b.stress);
             }
         }
+    }
+}
+
+/// Cells that do not differ are one material, which boundary elements solve; a grid solves it where the scene asks for one.
+#[test]
+fn cells_of_one_material_are_one_material() {
+    let body = "title = \"one\"\n[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\"]\n\
+                [sides.d]\ndisplacement = [0, 0]\n[sides.b]\ntraction = [0, -1]\n[method]\ntolerance = 1e-3\n";
+    let read = |material: &str, set: &[&str]| {
+        let text = format!("{body}[material]\n{material}\n");
+        parse(&text, set).unwrap_or_else(|e| panic!("{}", e.render()))
+    };
+    let plain = read("young = 7.0\npoisson = 0.2", &[]);
+    for cells in [
+        "cells = { size = 0.25, young = \"7\", poisson = \"0.2\" }",
+        "poisson = 0.2\ncells = { size = 0.25, young = { uniform = [7, 7] } }",
+    ] {
+        let scene = read(cells, &[]);
+        assert!(!scene.is_on_grid());
+        assert_eq!(scene.body().material(), plain.body().material());
+        let asked =
+            read(cells, &["method.model=\"fem\"", "grid={coarse=[8, 4], fine=[1, 1]}", "method.refine=\"none\""]);
+        assert!(asked.is_on_grid());
+        let [fem, bem] = [on_grid(&asked).energy, adapt(&scene).expect("boundary elements").step().energy];
+        assert!(bem < fem && (fem / bem - 1.0).abs() < 0.1, "{fem} and {bem}");
     }
 }

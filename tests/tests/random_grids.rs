@@ -349,7 +349,7 @@ fn random_grids_that_cannot_be_solved_are_refused() {
         (text("exp(g)", "body", "g", "sparse"), "means over the modulus cells"),
         (text("exp(g)", "top", "0", "sparse"), "of side \"top\""),
         (text("1 + g", "body", "0", "sparse"), "Young's modulus is -"),
-        (text("1", "body", "g", "galerkin"), "a body of its own"),
+        (text("1 + x", "body", "g", "galerkin"), "a body of its own"),
         (text("exp(g)", "body", "0", "multilevel") + "[method]\nmodel = \"msfem\"\n", "a family of grids"),
     ] {
         let error = parse(&text, &[]).err().map(|e| e.render()).unwrap_or_default();

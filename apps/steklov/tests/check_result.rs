@@ -29,7 +29,7 @@ const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"
 const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
 const FEW: &str = "method.max_steps=3";
 
-const KINDS: [Kind; 21] = [
+const KINDS: [Kind; 22] = [
     kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
@@ -77,6 +77,12 @@ const KINDS: [Kind; 21] = [
         "multilevel",
         "68-bar-of-a-random-field",
         &["random.g.modes=2", "stochastic.method=\"multilevel\"", "stochastic.tolerance=0.1"],
+        &["eigenpairs", "K ", "equilibrium"],
+    ),
+    kind(
+        "kept-germs",
+        "68-bar-of-a-random-field",
+        &["random.g.modes=12", "stochastic.method=\"corrected\"", "stochastic.tolerance=0.05"],
         &["eigenpairs", "K ", "equilibrium"],
     ),
     kind("ratios", "69-checkerboard-of-two-materials", &[], &["K ", "equilibrium", "strain energy"]),

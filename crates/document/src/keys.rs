@@ -684,7 +684,13 @@ pub(super) static FIELD: Table = table(
             "Share of the variance that the kept modes carry; not beside `modes`.",
         )
         .or(|| number(CAPTURED)),
-        key("modes", Form::Whole(MODES), "", "Number of modes that are kept.").without("as many as `captured` needs"),
+        key(
+            "modes",
+            OneOf(&[Words(&[AUTO]), Form::Whole(MODES)]),
+            "",
+            "Number of modes that are kept; \"auto\", of a field of cells: as many as there are up to 400.",
+        )
+        .without("as many as `captured` needs"),
         key("variables", Words(&words(&VARIABLES)), "", "Law of the modes: uniform between -√3 and √3, or normal.")
             .or(|| quoted(&VARIABLES, true)),
     ],

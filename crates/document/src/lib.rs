@@ -276,7 +276,7 @@ fn one_body(
         false => {
             let field = fields.require("material", "a table [material] with young and poisson")?;
             random::check_poisson(&field, &declared, context)?;
-            Some(substance(&field, &outline, context)?)
+            Some(substance(&field, &outline, &declared, context)?)
         }
     };
     let plane = body.as_ref().map(|substance| match substance {
@@ -315,7 +315,7 @@ fn cracked(
     let field = fields.require("material", "a table [material] with young and poisson")?;
     random::check_poisson(&field, &declared, context)?;
     let constants = random::constants(fields, false, &declared, context)?;
-    let substance = substance(&field, &outline, context)?;
+    let substance = substance(&field, &outline, &declared, context)?;
     if let Substance::Cells(_) = substance {
         return Err(field.problem("a body of cells cannot have cracks".to_owned(), "give one Young's modulus"));
     }
@@ -440,8 +440,13 @@ fn unused_parameters<'a>(
     unused.into_iter().rev()
 }
 
-/// `[material]`; with `cells` the cells give Young's modulus.
-fn substance(field: &Field<'_>, outline: &Polygon, context: &Context<'_>) -> Result<Substance, ReadError> {
+/// `[material]`; with `cells` the cells give Young's modulus, and one material where they do not differ.
+fn substance(
+    field: &Field<'_>,
+    outline: &Polygon,
+    declared: &[(String, random::Declared)],
+    context: &Context<'_>,
+) -> Result<Substance, ReadError> {
     let fields = Fields::new(field, &keys::MATERIAL)?;
     match (fields.get("cells"), fields.get("young")) {
         (Some(cells), Some(young)) => Err(ReadError::new(
@@ -452,7 +457,10 @@ fn substance(field: &Field<'_>, outline: &Polygon, context: &Context<'_>) -> Res
         )),
         (Some(cells), None) => {
             let of_unit_modulus = |ratio: Option<f64>| body::material_with(&fields, context, 1.0, ratio);
-            Ok(Substance::Cells(grid::cells(&cells, outline, of_unit_modulus, context)?))
+            let cells = grid::cells(&cells, outline, of_unit_modulus, context)?;
+            let is_random = cells.expressions().any(|e| declared.iter().any(|(name, _)| e.uses(name)));
+            let uniform = cells.uniform().filter(|_| !is_random);
+            Ok(uniform.map_or(Substance::Cells(cells), Substance::Homogeneous))
         }
         (None, _) => {
             let young = fields.require("young", "young = 200.0, in the scene's unit of stress")?.constant(context)?;

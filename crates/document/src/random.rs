@@ -14,6 +14,7 @@ use super::body::check_name;
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
+use super::method::AUTO;
 use super::tree::{Value, suggestion};
 
 pub(super) const UNIFORM: &str = "uniform";
@@ -33,7 +34,14 @@ pub(super) const CAPTURED: f64 = 0.95;
 /// A random input as declared in the scene.
 pub(super) enum Declared {
     Variable(Variable),
-    Field { covariance: Covariance, truncation: Truncation, support: Support, uniform: bool, place: Place },
+    Field {
+        covariance: Covariance,
+        /// None: as many modes as there are.
+        truncation: Option<Truncation>,
+        support: Support,
+        uniform: bool,
+        place: Place,
+    },
 }
 
 /// Reads `[random]`; its names become constants and fields of expressions, each with its nominal value.
@@ -65,7 +73,9 @@ pub(super) fn random(
 /// Largest number of germs of a scene with fields for a product of rules: two points per germ are 2^64 points.
 const RULE: usize = 64;
 /// Largest number of germs of a scene with fields for samples and sparse grids in a bearable time.
-const DRAWN: usize = 512;
+const DRAWN: usize = 2048;
+/// Modes of a field that takes as many as there are.
+const MANY_MODES: usize = 400;
 /// The names that are used, with their germs; the expansions of fields are computed here. `product`: the rule is a product of
 /// rules of the germs.
 pub(super) fn used(
@@ -85,9 +95,18 @@ pub(super) fn used(
                 let refused = |e: StochasticError| {
                     ReadError::new(DataErrorKind::Value, place, format!("the field {name}: {e}"), "change the field")
                 };
-                let expansion = match cells_of(problem, &name)? {
-                    Some(cells) => CellKarhunenLoeve::new(&covariance, cells, truncation).map(Into::into),
-                    None => support.expansion(&covariance, truncation),
+                let expansion = match (cells_of(problem, &name)?, truncation) {
+                    (Some(cells), Some(truncation)) => {
+                        CellKarhunenLoeve::new(&covariance, cells, truncation).map(Into::into)
+                    }
+                    (Some(cells), None) => most_modes(&covariance, &cells).map(Into::into),
+                    (None, Some(truncation)) => support.expansion(&covariance, truncation),
+                    (None, None) => {
+                        let message =
+                            format!("the field {name} has modes = {AUTO:?}, and does not make the moduli of cells");
+                        let help = "give a number of modes, or captured";
+                        return Err(ReadError::new(DataErrorKind::Value, place, message, help));
+                    }
                 };
                 let expansion: Expansion = expansion.map_err(refused)?;
                 let bound = 3.0f64.sqrt();
@@ -122,6 +141,21 @@ pub(super) fn used(
         }
     }
     Ok((names, germs))
+}
+
+/// The modes of a field of cells, as many as there are up to [`MANY_MODES`].
+///
+/// # Errors
+/// Those of [`CellKarhunenLoeve::new`].
+fn most_modes(covariance: &Covariance, cells: &FieldCells) -> Result<CellKarhunenLoeve, StochasticError> {
+    let mut wanted = MANY_MODES;
+    loop {
+        match CellKarhunenLoeve::new(covariance, cells.clone(), Truncation::Modes(wanted)) {
+            Err(StochasticError::Modes { available, .. }) if (1..wanted).contains(&available) => wanted = available,
+            Err(StochasticError::Unconverged { .. }) if wanted > 1 => wanted /= 2,
+            found => return found,
+        }
+    }
 }
 
 /// The modulus cells of which a field is the means: where it makes their moduli. `None` for other fields, and for cells that do
@@ -317,9 +351,10 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, ReadError> {
                 "keep captured or modes, not both",
             ));
         }
-        (None, Some(modes)) => Truncation::Modes(modes.whole(keys::MODES)?),
-        (Some(captured), None) => Truncation::Captured(captured.number_in(&keys::FRACTION)?),
-        (None, None) => Truncation::Captured(CAPTURED),
+        (None, Some(modes)) if matches!(&modes.item.value, Value::Text(text) if text == AUTO) => None,
+        (None, Some(modes)) => Some(Truncation::Modes(modes.whole(keys::MODES)?)),
+        (Some(captured), None) => Some(Truncation::Captured(captured.number_in(&keys::FRACTION)?)),
+        (None, None) => Some(Truncation::Captured(CAPTURED)),
     };
     let uniform = match fields.get("variables") {
         Some(variables) => variables.choice(&VARIABLES)?,

@@ -116,7 +116,12 @@ impl HeterogeneousBody {
 
     /// a(u, u) on a cell (force times length per thickness), u its eight displacements.
     pub fn cell_energy(&self, cell: usize, u: &[f64; 8]) -> f64 {
-        self.cell_forces(cell, u).iter().zip(u).map(|(f, u)| f * u).sum()
+        self.cell_work(cell, u, u)
+    }
+
+    /// a(u, v) on a cell.
+    pub fn cell_work(&self, cell: usize, u: &[f64; 8], v: &[f64; 8]) -> f64 {
+        self.cell_forces(cell, u).iter().zip(v).map(|(f, v)| f * v).sum()
     }
 
     /// The cells around a node with its local number in each: left below, right below, right above, left above.

@@ -68,11 +68,7 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
 /// The decision about the elements.
 fn discretisation(scene: &Scene, input: &GridInput) -> Decision {
     let multiscale = scene.is_multiscale();
-    let one_modulus = scene.body().cells().is_some_and(|cells| cells.young.constant().is_some());
     let why = match (scene.body().cells(), multiscale) {
-        (Some(_), _) if one_modulus => {
-            "as the scene says; all cells have one modulus: as material.young it would do for boundary elements"
-        }
         (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
         (Some(_), false) => "the modulus differs from cell to cell",
         (None, _) if scene.body().constant_force().is_none() && scene.body().force.is_some() => {

@@ -143,11 +143,11 @@ pub enum CellModuli {
 }
 
 impl CellModuli {
-    /// The one modulus of all cells, if the text of the scene gives it.
+    /// The one modulus of all cells, if they do not differ.
     pub fn constant(&self) -> Option<f64> {
         match self {
             Self::Uniform { low, high, .. } => (low == high).then_some(*low),
-            Self::Table { .. } => None,
+            Self::Table { values, .. } => values.first().copied().filter(|first| values.iter().all(|v| v == first)),
             Self::Expression(young) => young.constant(),
         }
     }
@@ -164,6 +164,23 @@ pub struct Cells {
     pub poisson: Option<CellModuli>,
     /// The material of modulus 1 with the same Poisson's ratio, about their mean if they differ, in the same plane.
     pub of_unit_modulus: Material,
+}
+
+impl Cells {
+    /// Young's modulus and Poisson's ratio, where they are expressions.
+    pub fn expressions(&self) -> impl Iterator<Item = &Expression> {
+        std::iter::once(&self.young).chain(&self.poisson).filter_map(|of_cells| match of_cells {
+            CellModuli::Expression(value) => Some(value),
+            _ => None,
+        })
+    }
+
+    /// The material of all cells, if they do not differ in it.
+    pub fn uniform(&self) -> Option<Material> {
+        let Material { poisson, plane, .. } = self.of_unit_modulus;
+        let poisson = self.poisson.as_ref().map_or(Some(poisson), CellModuli::constant)?;
+        Material::new(self.young.constant()?, poisson, plane).ok()
+    }
 }
 
 /// Lower left corner and sides of the bounding box.

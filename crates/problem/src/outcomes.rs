@@ -1,8 +1,13 @@
 //! Looks at outcomes of the random input before anything is solved.
 
+use steklov_expression::Value;
+use steklov_msfem::Grid;
 use steklov_stochastic::{CellBasis, Nodes, StochasticCell, StochasticError, Variable, smolyak};
 
-use super::{DataError, Sampling, Scene, Stochastic, grid_of, moduli, poisson_ratios};
+use super::{
+    CellModuli, Cells, DataError, DataErrorKind, Random, Sampling, Scene, Stochastic, bounding_box, grid_of, moduli,
+    poisson_ratios,
+};
 
 /// Outcomes beyond this probability at either end of a germ without bounds are not examined.
 const RARE: f64 = 1e-12;
@@ -36,6 +41,9 @@ impl Scene {
             outcome.check_data().and_then(|()| outcome.check_jumps()).map_err(|e| named(germs, e))
         };
         let ends: Vec<[f64; 2]> = random.germs.iter().map(|g| ends(&g.variable, &random.stochastic)).collect();
+        if let Some(grid) = &grid {
+            self.check_fields_in_cells(random, grid, &ends)?;
+        }
         for d in 0..ends.len().min(SINGLE) {
             for end in ends[d] {
                 let mut germs = nominal.clone();
@@ -55,6 +63,63 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+impl Scene {
+    /// Looks at the materials of all cells where a field takes its ends in them: g = Σ a_m ξ_m is beyond √(2 ln 1/p) σ with a
+    /// probability below p, and never beyond Σ |a_m| max |ξ_m|. Other names are nominal, variables at all combinations of up to 5.
+    ///
+    /// # Errors
+    /// A modulus or a ratio that is impossible, with its place and the value of the field.
+    fn check_fields_in_cells(&self, random: &Random, grid: &Grid, ends: &[[f64; 2]]) -> Result<(), DataError> {
+        let Some(Cells { size, young, poisson, .. }) = self.body().cells() else { return Ok(()) };
+        let ratio = poisson.as_ref().map(|poisson| (poisson, "Poisson's ratio", [-1.0, 0.5], "poisson"));
+        let of_cells = std::iter::once((young, "Young's modulus", [0.0, f64::INFINITY], "young")).chain(ratio);
+        let variables: Vec<usize> = random.names.iter().filter_map(|name| name.variable()).collect();
+        let variables = if variables.len() <= DATA { &variables[..] } else { &[] };
+        // the middles of modulus cells, in which expressions hold
+        let (corner, _) = bounding_box(&self.problem.outline);
+        let middle = |cell: usize| {
+            let x = grid.centre(cell);
+            [0, 1].map(|k| corner[k] + size * (((x[k] - corner[k]) / size).floor() + 0.5))
+        };
+        for (value, what, [low, high], key) in of_cells {
+            let CellModuli::Expression(value) = value else { continue };
+            let corners = (0..1usize << variables.len()).flat_map(|corner| random.fields().map(move |of| (corner, of)));
+            for (corner, (field, first)) in corners.filter(|(_, (field, _))| value.uses(&field.name)) {
+                let mut germs = random.nominal();
+                variables.iter().enumerate().for_each(|(k, &germ)| germs[germ] = ends[germ][corner >> k & 1]);
+                let (mut values, own) = (random.values(&germs), &ends[first..first + field.expansion.len()]);
+                let extremes = grid.body_cells().flat_map(|cell| {
+                    let at = middle(cell);
+                    reach(&field.expansion.modes(field.support.coordinates(at)), own).map(|of_field| (at, of_field))
+                });
+                for ([x, y], of_field) in extremes {
+                    values.insert(field.name.clone(), Value::Constant(of_field));
+                    let found = value.with_values(&values).eval(x, y, 0.0);
+                    if found > low && found < high {
+                        continue;
+                    }
+                    let (name, text) = (&field.name, value.text());
+                    let message = format!(
+                        "{what} is {found} at the point ({x}, {y}) where {name} is {of_field}, as it may be: {text:?}"
+                    );
+                    let help = "take exp(s*g), which is positive, a smaller deviation, or fewer modes";
+                    return Err(DataError::at(DataErrorKind::Data, &[vec!["material", "cells", key]], message, help));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The ends of Σ a_m ξ_m in a cell for germs between their ends: those of all, or beyond which the sum is too rare.
+fn reach(modes: &[f64], ends: &[[f64; 2]]) -> [f64; 2] {
+    let deviation = modes.iter().map(|a| a * a).sum::<f64>().sqrt();
+    let rare = (-2.0 * RARE.ln()).sqrt() * deviation;
+    let most = modes.iter().zip(ends).map(|(a, [low, high])| a.abs() * low.abs().max(high.abs())).sum::<f64>();
+    let most = most.min(rare);
+    [-most, most]
 }
 
 /// The ends of a germ: its bounds, else its rare values or the outermost points of the method's rule, whichever is farther out.

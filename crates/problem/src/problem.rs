@@ -12,7 +12,7 @@ use steklov_elastic::Material;
 use steklov_expression::Expression;
 
 use super::spans::KnownSpans;
-use super::{CellModuli, Cells, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Side, Tie};
+use super::{Cells, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Side, Tie};
 
 /// Bodies and the interfaces between them.
 #[derive(Debug, Clone)]
@@ -139,12 +139,7 @@ impl Body {
 
     /// Young's modulus and Poisson's ratio of its cells, where they are expressions.
     pub fn cell_expressions(&self) -> impl Iterator<Item = &Expression> {
-        let cells = self.cells().into_iter();
-        let all = cells.flat_map(|Cells { young, poisson, .. }| std::iter::once(young).chain(poisson));
-        all.filter_map(|of_cells| match of_cells {
-            CellModuli::Expression(value) => Some(value),
-            _ => None,
-        })
+        self.cells().into_iter().flat_map(Cells::expressions)
     }
 }
 

@@ -138,6 +138,11 @@ impl Default for Stochastic {
 }
 
 impl RandomName {
+    /// The germ of a variable.
+    pub fn variable(&self) -> Option<usize> {
+        if let Self::Variable { germ, .. } = self { Some(*germ) } else { None }
+    }
+
     /// The name.
     pub fn name(&self) -> &str {
         match self {

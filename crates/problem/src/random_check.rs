@@ -4,7 +4,7 @@ use steklov_expression::Expression;
 
 use super::check::STIFFNESS;
 use super::medium::DISPLACEMENT_JUMP;
-use super::{DataError, DataErrorKind as Kind, Random, RandomName, Scene};
+use super::{CellModuli, DataError, DataErrorKind as Kind, Random, RandomName, Scene};
 
 /// The data of an outcome that are made anew where they use random names.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -72,6 +72,13 @@ impl Scene {
             springs: uses(Datum::Springs),
             ties: uses(Datum::Ties),
         }
+    }
+
+    /// Whether a name moves Young's moduli of the cells of the body, and nothing else.
+    pub fn moves_cell_moduli_alone(&self, random: &Random, name: &str) -> bool {
+        let users = self.expressions(random).into_iter().filter(|(_, e)| e.uses(name)).count();
+        let young = self.body().cells().map(|cells| &cells.young);
+        users == 1 && matches!(young, Some(CellModuli::Expression(young)) if young.uses(name))
     }
 
     /// Names that have their germs, moduli whose bodies are there, and expressions whose names are there: others would be solved

@@ -85,6 +85,12 @@ pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
         let degree: Vec<Vec<f64>> = cells.degree.iter().map(|d| d.iter().map(|q| *q as f64).collect()).collect();
         save_dense(&group, "degree", matrix(&degree).as_ref(), &label("1", "polynomial degrees", axes))?;
     }
+    if let Some((kept, left_out)) = &result.kept {
+        let group = create_group(at, "kept")?;
+        save_integers(&group, "germs", kept, &label("1", "numbers of the germs of the polynomials", &["germ"]))?;
+        let meaning = "largest share of the other germs in the linear variance of a quantity";
+        save_number(&group, "left_out", *left_out, "1", meaning)?;
+    }
     if !result.levels.is_empty() {
         save_levels(&create_group(at, "levels")?, &result.levels)?;
     }
@@ -208,6 +214,13 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
         stress_displacement: match at.link_exists("stress_displacement") {
             true => load_vector(at, "stress_displacement")?,
             false => Vec::new(),
+        },
+        kept: match at.link_exists("kept") {
+            true => {
+                let group = open_group(at, "kept")?;
+                Some((load_integers(&group, "germs")?, load_number(&group, "left_out")?))
+            }
+            false => None,
         },
         levels: match at.link_exists("levels") {
             true => load_levels(&open_group(at, "levels")?)?,

@@ -109,6 +109,13 @@ pub fn lines(stored: &Record) -> Vec<String> {
         let what = if l == 0 { "values" } else { "differences from the coarser grid" };
         lines.push(format!("            {nx} by {ny} cells: {} of {what}", count(level.outcomes, "outcome")));
     }
+    if let Some((kept, left_out)) = &result.kept {
+        let (own, all) = (kept.len(), count(result.labels.len(), "germ"));
+        let share = plain(100.0 * left_out, 2);
+        lines.push(format!(
+            "            polynomials in {own} of {all}; the others make {share} % of the linear variance"
+        ));
+    }
     for field in &result.fields {
         let (modes, share) = (count(field.eigenvalues.len(), "mode"), 100.0 * field.captured);
         let lost = match 100.0 * field.unresolved {

@@ -12,6 +12,7 @@
 //! The boundary of the grid is a boundary mesh of degree 1, so that loads, supports and contact are set up by the same code as
 //! those of boundary elements.
 
+mod adjoint;
 mod answer;
 mod cells;
 mod coupled;
@@ -27,6 +28,7 @@ mod solve;
 mod system;
 mod trace;
 
+pub use adjoint::modulus_derivatives;
 pub use error_parts::{FAILING, GridEstimate};
 pub use layout::GridLayout;
 pub use run::{MARKING, OnGrid};

@@ -7,6 +7,7 @@ use steklov_expression::RandomField;
 use steklov_problem::{Random, Sampling, Scene};
 
 use super::estimate::mean_estimator;
+use super::kept::Kept;
 use super::nodes::{is_coupled, solve_nodes};
 use super::number::Number;
 use super::of_surrogate::of_surrogate;
@@ -54,7 +55,8 @@ pub fn solve_stochastic(
         Sampling::Sparse | Sampling::Corrected | Sampling::MonteCarlo => {
             let answer = |germs: &[f64], warm: &mut Option<Solution>| outcomes.answer(germs, warm);
             let (numbers, data) = (&outcomes.numbers[..], &outcomes.data);
-            let one_by_one = OneByOne { numbers, scales: &scales, data, answer: &answer, block: BLOCK };
+            let kept = Kept::all(random.germs.len());
+            let one_by_one = OneByOne { numbers, scales: &scales, data, answer: &answer, kept, block: BLOCK };
             one_by_one.solve(random, &watch, observe)?
         }
     };

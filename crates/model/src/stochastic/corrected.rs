@@ -5,12 +5,13 @@
 //! S(ξ) = Σ_j θ_j(ξ) Q_j        mean = E S + 1/N Σ_i (Q - S)(ξ_i) = Σ_j (w_j - 1/N Σ_i θ_j(ξ_i)) Q_j + 1/N Σ_i Q_i
 //! ```
 //! Its standard error is that of the residuals Q - S alone. Grid and outcomes are points of one rule, whose weights have both
-//! signs.
+//! signs. S need not know all germs: what others do is in the residuals.
 
 use steklov_problem::{Random, Sampling, Stochastic};
 use steklov_stochastic::{Points, SparsePolynomials, Variable, sample, smolyak};
 
 use super::in_body::BodySums;
+use super::kept::about_points;
 use super::one_by_one::OneByOne;
 use super::outcomes::Answer;
 use super::result::{End, OVERLOOKED, StochasticResult, UNDECIDED, Watch, of_grid};
@@ -41,6 +42,8 @@ struct Fresh {
 
 /// The polynomials of a sparse grid.
 struct Surrogate {
+    /// The germs of the polynomials, rising; the points of the grid have the nominal values of the others.
+    kept: Vec<usize>,
     grid: Points,
     polynomials: SparsePolynomials,
     answers: Vec<Answer>,
@@ -60,22 +63,36 @@ struct Measured {
 }
 
 impl Surrogate {
+    /// The polynomials of a level from the points of a grid of the germs that are kept.
     fn new(
-        grid: Points,
-        variables: &[Variable],
-        level: usize,
+        mut grid: Points,
+        (kept, level): (Vec<usize>, usize),
         outcomes: &OneByOne<'_>,
+        random: &Random,
         watch: &Watch<'_>,
     ) -> Result<Self, SolveError> {
-        let polynomials = grid.polynomials(variables, level)?;
+        let variables: Vec<Variable> = kept.iter().map(|&germ| random.germs[germ].variable.clone()).collect();
+        let polynomials = grid.polynomials(&variables, level)?;
+        let nominal = random.nominal();
+        for point in &mut grid.points {
+            let mut all = nominal.clone();
+            kept.iter().zip(&*point).for_each(|(&germ, x)| all[germ] = *x);
+            *point = all;
+        }
         // those of the level that is kept are handed on with the fresh ones
         let (answers, in_body) = outcomes.at_points(&grid, watch, &mut |_| Ok(()))?;
-        Ok(Self { grid, polynomials, answers, in_body })
+        Ok(Self { kept, grid, polynomials, answers, in_body })
+    }
+
+    /// θ_j at germs.
+    fn theta(&self, germs: &[f64]) -> Vec<f64> {
+        let kept: Vec<f64> = self.kept.iter().map(|&germ| germs[germ]).collect();
+        self.polynomials.evaluate(&kept)
     }
 
     /// The values of the polynomials of all quantities at germs.
     fn values(&self, germs: &[f64]) -> Vec<f64> {
-        let theta = self.polynomials.evaluate(germs);
+        let theta = self.theta(germs);
         let quantities = self.answers.first().map_or(0, |answer| answer.quantities.len());
         let value = |k: usize| theta.iter().zip(&self.answers).map(|(theta, a)| theta * a.quantities[k]).sum();
         (0..quantities).map(value).collect()
@@ -85,7 +102,7 @@ impl Surrogate {
     fn weights(&self, fresh: &Fresh) -> Vec<f64> {
         let mut weights = self.grid.weights.clone();
         for germs in &fresh.germs {
-            let theta = self.polynomials.evaluate(germs);
+            let theta = self.theta(germs);
             weights.iter_mut().zip(theta).for_each(|(w, theta)| *w -= theta / fresh.germs.len() as f64);
         }
         weights
@@ -246,23 +263,37 @@ impl Rule<'_> {
     }
 
     /// The polynomials with which the tolerance costs least; none if samples alone do.
-    fn surrogate(&self, watch: &Watch<'_>) -> Result<Option<Surrogate>, SolveError> {
-        let (variables, most) = (self.variables(), self.random.stochastic.max_nodes as f64);
-        let (mut best, mut misfit) = (None, 1.0);
-        // by which the next level is expected to change it: as the last one did
+    fn surrogate(&mut self, watch: &Watch<'_>) -> Result<Option<Surrogate>, SolveError> {
+        let most = self.random.stochastic.max_nodes as f64;
+        // of the germs of the polynomials alone, and of all
+        let (mut best, mut within, mut misfit) = (None, 1.0f64, 1.0f64);
+        // by which the next level is expected to change the first one: as the last one did
         let mut falls = 0.0;
         for level in 1.. {
-            let Ok(grid) = smolyak(&variables, level) else { break };
-            let points = grid.points.len() as f64;
-            if points > 0.5 * most || points + self.needed(misfit * falls) >= self.needed(misfit) {
+            let kept = self.outcomes.kept.at_level(level, self.random.stochastic.tolerance);
+            let left_out = self.outcomes.kept.left_out(kept.len());
+            if about_points(kept.len(), level) > 2.0 * most {
                 break;
             }
-            let next = Surrogate::new(grid, &variables, level, self.outcomes, watch)?;
-            let own = self.misfit(&next);
+            let variables: Vec<Variable> = kept.iter().map(|&g| self.random.germs[g].variable.clone()).collect();
+            let Ok(grid) = smolyak(&variables, level) else { break };
+            let points = grid.points.len() as f64;
+            let expected = (left_out + (within * falls).powi(2)).sqrt();
+            if points > 0.5 * most || points + self.needed(expected) >= self.needed(misfit) {
+                break;
+            }
+            let next = Surrogate::new(grid, (kept, level), self.outcomes, self.random, watch)?;
+            let mut own = self.misfit(&next);
+            if self.needed(own) > MANY as f64 && (own >= misfit || own > FALLS * misfit) {
+                // one outcome far out among few decides nothing
+                self.draw(MANY.min(self.random.stochastic.max_nodes / 2), watch)?;
+                own = self.misfit(&next);
+            }
             if own >= misfit {
                 break;
             }
-            (falls, misfit, best) = (own / misfit, own, Some(next));
+            let own_within = (own * own - left_out).max(0.0).sqrt();
+            (falls, within, misfit, best) = (own_within / within, own_within, own, Some(next));
             if falls > FALLS {
                 break;
             }
@@ -321,6 +352,10 @@ impl Rule<'_> {
             (quantity.mean, quantity.variance) = (mean, variance);
             (quantity.standard_error, quantity.variance_error) = (Some(mean_error), Some(variance_error));
             quantity.truncation = Some(*shift);
+        }
+        if surrogate.kept.len() < self.random.germs.len() {
+            let left_out = self.outcomes.kept.left_out(surrogate.kept.len());
+            result.kept = Some((surrogate.kept.clone(), left_out));
         }
         result.in_body = surrogate.in_body.moments();
         (result.checks, result.unseen, result.end) = (missed.looked, missed.probability, end);

@@ -44,6 +44,9 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         "points": result.points.len(),
         "solves": result.solved,
         "checks": result.checks,
+        "kept": result.kept.as_ref().map(|(kept, left_out)| {
+            object!({ "germs": kept.iter().map(|&germ| &result.labels[germ]).collect::<Vec<_>>(), "left_out": left_out })
+        }),
         "levels": levels(result),
         "cells": result.cells.as_ref().map(|c| c.degree.len()),
         "coupled": result.coupled,

@@ -23,6 +23,7 @@ mod effects;
 mod of_surrogate;
 mod samples;
 mod unseen;
+mod kept;
 mod corrected;
 mod in_body;
 mod one_by_one;

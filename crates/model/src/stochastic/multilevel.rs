@@ -7,6 +7,7 @@ use steklov_problem::{Random, Scene};
 use steklov_stochastic::{Variable, cost_of_levels, outcomes_of_levels, sample, solve_points};
 
 use super::jumps::InGerms;
+use super::kept::Kept;
 use super::number::Number;
 use super::on_grid::{OutcomesOnGrid, numbers_of};
 use super::one_by_one::OneByOne;
@@ -293,7 +294,8 @@ fn beside_coarsest(
     let data = InGerms::new(scene, levels.random);
     let answer = |germs: &[f64], _: &mut Option<Solution>| levels.answer(levels.start, germs);
     let (numbers, scales) = (levels.numbers, levels.scales);
-    let one_by_one = OneByOne { numbers, scales, data: &data, answer: &answer, block: 1 };
+    let kept = Kept::all(levels.random.germs.len());
+    let one_by_one = OneByOne { numbers, scales, data: &data, answer: &answer, kept, block: 1 };
     beside_samples(&mut coarsest, &one_by_one, levels.random, watch)?;
     (result.checks, result.unseen) = (coarsest.checks, coarsest.unseen);
     // errors that outcomes of other contact or data may have are not in the standard errors

@@ -8,6 +8,7 @@ use steklov_problem::{Random, Sampling, Scene, Uses};
 use super::all_outcomes::{finish, scales};
 use super::in_body::InBody;
 use super::jumps::InGerms;
+use super::kept::{Kept, by_effect};
 use super::multilevel::of_levels;
 use super::number::{Number, numbers};
 use super::one_by_one::OneByOne;
@@ -44,14 +45,19 @@ pub fn solve_stochastic_on_grid(
     let outcomes = OutcomesOnGrid::new(scene.clone(), random, layout.clone())?;
     let (nominal, solved) = outcomes.solve(&random.nominal())?;
     let scales = scales(scene, &numbers, &summary(&nominal, &solved))?;
-    let mut result = match random.stochastic.method {
+    let method = random.stochastic.method;
+    let mut result = match method {
         Sampling::Multilevel => of_levels((scene, layout), random, (&numbers, &scales), &watch)?,
         _ => {
             let answer = |germs: &[f64], _: &mut Option<Solution>| {
                 outcomes.solve(germs).map(|(scene, solved)| kept(&scene, &solved, &numbers))
             };
+            let kept = match method {
+                Sampling::Corrected => by_effect((scene, &nominal), random, &solved, &numbers)?,
+                _ => Kept::all(random.germs.len()),
+            };
             let one_by_one =
-                OneByOne { numbers: &numbers, scales: &scales, data: &data, answer: &answer, block: BLOCK };
+                OneByOne { numbers: &numbers, scales: &scales, data: &data, answer: &answer, kept, block: BLOCK };
             one_by_one.solve(random, &watch, observe)?
         }
     };

@@ -7,6 +7,7 @@ use steklov_stochastic::{Points, Variable, smolyak, solve_points};
 use super::corrected::of_corrected;
 use super::in_body::BodySums;
 use super::jumps::InGerms;
+use super::kept::Kept;
 use super::number::Number;
 use super::outcomes::Answer;
 use super::result::{StochasticResult, Watch, of_grid};
@@ -27,6 +28,8 @@ pub(super) struct OneByOne<'a> {
     /// The data in their germs.
     pub(super) data: &'a InGerms<'a>,
     pub(super) answer: &'a Answering<'a>,
+    /// The germs by their effect.
+    pub(super) kept: Kept,
     /// Most answers that are held with their fields in the body, a multiple of the points of a chain.
     pub(super) block: usize,
 }

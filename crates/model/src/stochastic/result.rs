@@ -159,6 +159,9 @@ pub struct StochasticResult {
     pub fields: Vec<FieldModes>,
     /// The stochastic mesh.
     pub cells: Option<Cells>,
+    /// The germs of the polynomials that outcomes correct, where they do not have all: their numbers, and the largest share of the
+    /// others in the linear variance of a quantity.
+    pub kept: Option<(Vec<usize>, f64)>,
     /// The levels of multilevel Monte Carlo, from the coarsest on.
     pub levels: Vec<Level>,
     /// Error of the truncation over the energy norm, both in mean square: estimated, or measured if that is more; none without a
