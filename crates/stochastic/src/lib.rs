@@ -47,7 +47,9 @@ mod cell_karhunen_loeve;
 mod field;
 mod stochastic_mesh;
 mod cell_basis;
+mod total_degree;
 mod smolyak;
+mod affine_galerkin;
 mod sampling;
 mod truncation;
 mod chains;
@@ -60,6 +62,7 @@ mod moments;
 // the crates whose types appear in the interface
 pub use {faer, steklov_contact, steklov_quadrature};
 
+pub use affine_galerkin::{AffineFamily, AffineProduct, AffineSolution, MeanSolve};
 pub use cell_basis::{CellBasis, Nodes};
 pub use cell_covariance::FieldCells;
 pub use cell_karhunen_loeve::CellKarhunenLoeve;
@@ -78,5 +81,6 @@ pub use statistics::{Histogram, density, quantiles};
 pub use stochastic_mesh::{StochasticCell, StochasticMesh};
 pub use tensor_problem::{TensorProblem, TensorSolution};
 pub use tensor_solvers::tensor_active_set;
+pub use total_degree::{Coupled, TotalDegree};
 pub use truncation::{DirectionError, changes, refine, truncation};
 pub use variable::{Distribution, Variable};

@@ -1,7 +1,8 @@
 //! Sparse grids.
 
 use crate::cell_basis::tensor;
-use crate::{Recurrence, StochasticError, Variable};
+use crate::total_degree::next;
+use crate::{Recurrence, StochasticError, TotalDegree, Variable};
 use std::cmp::Ordering;
 use steklov_quadrature::Rule;
 
@@ -97,12 +98,10 @@ pub fn smolyak(variables: &[Variable], level: usize) -> Result<Points, Stochasti
 /// rule.
 #[derive(Debug, Clone)]
 pub struct SparsePolynomials {
-    recurrences: Vec<Recurrence>,
-    /// Degrees of each orthonormal polynomial ψ_a in each germ.
-    degrees: Vec<Vec<usize>>,
+    /// ψ_a.
+    basis: TotalDegree,
     /// w_j ψ_a(x_j), one row for each a.
     weighted: Vec<Vec<f64>>,
-    level: usize,
 }
 
 impl Points {
@@ -114,31 +113,15 @@ impl Points {
     ///
     /// Source: Xiu (2007).
     pub fn polynomials(&self, variables: &[Variable], level: usize) -> Result<SparsePolynomials, StochasticError> {
-        let recurrences: Result<Vec<_>, _> =
-            variables.iter().map(|v| Recurrence::new(v, v.germ_support(), level + 1)).collect();
-        let mut degrees = vec![vec![0; variables.len()]];
-        let mut index = vec![0; variables.len()];
-        while next(&mut index, level) {
-            degrees.push(index.clone());
-        }
-        let mut made = SparsePolynomials { recurrences: recurrences?, degrees, weighted: vec![], level };
-        let at: Vec<Vec<f64>> = self.points.iter().map(|x| made.values(x)).collect();
+        let basis = TotalDegree::new(variables, level)?;
+        let at: Vec<Vec<f64>> = self.points.iter().map(|x| basis.values(x)).collect();
         let row = |a: usize| at.iter().zip(&self.weights).map(|(psi, w)| w * psi[a]).collect();
-        made.weighted = (0..made.degrees.len()).map(row).collect();
-        Ok(made)
+        let weighted = (0..basis.degrees().len()).map(row).collect();
+        Ok(SparsePolynomials { basis, weighted })
     }
 }
 
 impl SparsePolynomials {
-    /// ψ_a at a germ.
-    fn values(&self, germ: &[f64]) -> Vec<f64> {
-        let mut one = vec![vec![0.0; self.level + 1]; germ.len()];
-        for ((recurrence, &x), values) in self.recurrences.iter().zip(germ).zip(&mut one) {
-            recurrence.evaluate(x, values);
-        }
-        self.degrees.iter().map(|a| a.iter().zip(&one).map(|(&k, p)| p[k]).product()).collect()
-    }
-
     /// Variance Σ_(a ≠ 0) c_a² of the polynomials of the answers f(x_j).
     pub fn variance(&self, answers: &[f64]) -> f64 {
         let coefficient = |row: &Vec<f64>| row.iter().zip(answers).map(|(w, f)| w * f).sum::<f64>();
@@ -150,9 +133,8 @@ impl SparsePolynomials {
     /// # Panics
     /// If `germ` does not have a number for each variable.
     pub fn evaluate(&self, germ: &[f64]) -> Vec<f64> {
-        assert_eq!(germ.len(), self.recurrences.len(), "a number for each variable");
         let mut theta = vec![0.0; self.weighted[0].len()];
-        for (value, row) in self.values(germ).into_iter().zip(&self.weighted) {
+        for (value, row) in self.basis.values(germ).into_iter().zip(&self.weighted) {
             theta.iter_mut().zip(row).for_each(|(t, w)| *t += value * w);
         }
         theta
@@ -163,20 +145,6 @@ impl SparsePolynomials {
 fn one_dimensional(variable: &Variable, level: usize) -> Result<Vec<Rule>, StochasticError> {
     let recurrence = Recurrence::new(variable, variable.germ_support(), 2 * level + 1)?;
     (0..=level).map(|l| recurrence.gauss(2 * l + 1)).collect()
-}
-
-/// The next index set with a sum to `level`, the last index fastest; whether there is one.
-fn next(index: &mut [usize], level: usize) -> bool {
-    let mut sum: usize = index.iter().sum();
-    for d in (0..index.len()).rev() {
-        if sum < level {
-            index[d] += 1;
-            return true;
-        }
-        sum -= index[d];
-        index[d] = 0;
-    }
-    false
 }
 
 fn binomial(n: usize, k: usize) -> f64 {

@@ -1,5 +1,6 @@
 //! The tests of the crate, one program.
 
+mod affine_galerkin;
 mod cell_karhunen_loeve;
 mod chains;
 mod contact_reference;
