@@ -32,6 +32,7 @@ mod prescribed;
 mod probes;
 mod quantities;
 mod random_bodies;
+mod random_affine;
 mod random_grids;
 mod random_scenes;
 mod references;

@@ -29,7 +29,7 @@ const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"
 const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
 const FEW: &str = "method.max_steps=3";
 
-const KINDS: [Kind; 22] = [
+const KINDS: [Kind; 23] = [
     kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
@@ -83,6 +83,17 @@ const KINDS: [Kind; 22] = [
         "kept-germs",
         "68-bar-of-a-random-field",
         &["random.g.modes=12", "stochastic.method=\"corrected\"", "stochastic.tolerance=0.05"],
+        &["eigenpairs", "K ", "equilibrium"],
+    ),
+    kind(
+        "affine",
+        "68-bar-of-a-random-field",
+        &[
+            "material.cells.young=\"1 + 0.2*g\"",
+            "random.g.modes=2",
+            "random.g.variables=\"uniform\"",
+            "stochastic.method=\"galerkin\"",
+        ],
         &["eigenpairs", "K ", "equilibrium"],
     ),
     kind("ratios", "69-checkerboard-of-two-materials", &[], &["K ", "equilibrium", "strain energy"]),

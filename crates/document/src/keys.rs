@@ -702,7 +702,7 @@ pub(super) static STOCHASTIC: Table = table(
     &[
         key("method", Words(&words(&SAMPLINGS)), "", "Which outcomes are solved, and what is made of them.")
             .or(|| quoted(&SAMPLINGS, None)),
-        key("degree", Form::Whole(DEGREE_FROM_0), "", "Polynomial degree in each germ, of galerkin and collocation.")
+        key("degree", Form::Whole(DEGREE_FROM_0), "", "Polynomial degree in each germ, of galerkin and collocation; of galerkin on a grid the total degree.")
             .or(|| Stochastic::default().degree.to_string()),
         key("elements", Form::Whole(ELEMENTS), "", "Stochastic elements of each germ, of galerkin and collocation.")
             .or(|| Stochastic::default().elements.to_string()),

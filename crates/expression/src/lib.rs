@@ -18,6 +18,7 @@ mod foreign;
 mod parse;
 mod fold;
 mod interval;
+mod affine;
 mod range;
 mod kinks;
 mod survey;

@@ -482,3 +482,49 @@ fn check_text(text: &str) -> Result<(), TestCaseError> {
     }
     Ok(())
 }
+
+/// What is affine by its form; and there second differences vanish at every place.
+#[test]
+fn affine_expressions_are_found() {
+    let constants = [("g", 0.3), ("h", -1.2), ("c", 2.0)].map(|(name, value)| (name.to_owned(), value)).into();
+    let read = |text: &str| Expression::parse(text, &constants).unwrap_or_else(|e| panic!("{text}: {e}"));
+    let affine = [
+        "1",
+        "x*y",
+        "1000*(1 + 0.1*g)",
+        "exp(x)*g - h/(1 + x^2)",
+        "-(g + h)*c",
+        "if(x > 0, g, 2*h)",
+        "c^2*g",
+        "g + g*x",
+    ];
+    let others = [
+        "exp(g)",
+        "g*h",
+        "g^2",
+        "1/g",
+        "x/(1 + h)",
+        "if(g > 0, 1, 2)",
+        "abs(g)",
+        "min(g, 1)",
+        "g > 0",
+        "sin(x*g)",
+        "x^g",
+        "g*g/g",
+    ];
+    let at = |text: &str, g: f64, h: f64, x: f64| {
+        let values = [("g", g), ("h", h)].map(|(name, value)| (name.to_owned(), Value::Constant(value))).into();
+        read(text).with_values(&values).eval(x, 0.7, 0.2)
+    };
+    for text in affine {
+        assert!(read(text).is_affine_in(["g", "h"]), "{text}");
+        for x in [-0.4, 0.9] {
+            let off = at(text, 0.5, 2.0, x) - 2.0 * at(text, 1.0, 0.5, x) + at(text, 1.5, -1.0, x);
+            assert!(off.abs() < 1e-12, "{text}: {off}");
+        }
+    }
+    for text in others {
+        assert!(!read(text).is_affine_in(["g", "h"]), "{text}");
+    }
+    assert!(read("exp(g)*h").is_affine_in(["h"]) && read("exp(g)").is_affine_in([]));
+}

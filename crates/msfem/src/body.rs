@@ -71,7 +71,7 @@ impl HeterogeneousBody {
     }
 
     /// K₀ = λ K_λ + μ K_μ of a cell, for E = 1.
-    fn unit_of<'a>(&'a self, cell: usize, own: &'a mut [[f64; 8]; 8]) -> &'a [[f64; 8]; 8] {
+    pub(crate) fn unit_of<'a>(&'a self, cell: usize, own: &'a mut [[f64; 8]; 8]) -> &'a [[f64; 8]; 8] {
         if self.poisson.is_none() {
             return &self.unit;
         }

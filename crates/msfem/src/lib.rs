@@ -73,6 +73,7 @@ mod error;
 mod grid;
 mod elasticity;
 mod body;
+mod affine;
 mod load;
 mod ordering;
 mod cholesky;

@@ -21,6 +21,7 @@ pub fn points(scene: &Scene, random: &Random) -> f64 {
         intervals(&germ.variable, &cuts, settings.elements) as f64 * (settings.degree as f64 + 1.0)
     };
     match settings.method {
+        Sampling::Galerkin if scene.is_on_grid() => blocks(random),
         Sampling::Galerkin | Sampling::Collocation => random.germs.iter().zip(scene.cuts(random)).map(of).product(),
         Sampling::Sparse => sparse(random).unwrap_or(f64::INFINITY),
         // the first grid, or the first samples
@@ -28,6 +29,11 @@ pub fn points(scene: &Scene, random: &Random) -> f64 {
         Sampling::MonteCarlo => settings.samples as f64,
         Sampling::Multilevel => settings.max_nodes as f64,
     }
+}
+
+/// Polynomials of total degree p in d germs: binomial(d + p, p).
+fn blocks(random: &Random) -> f64 {
+    (1..=random.stochastic.degree).fold(1.0, |count, k| count * (random.germs.len() + k) as f64 / k as f64).round()
 }
 
 /// Points of the sparse grid; None if it is too large to be made.
@@ -46,7 +52,11 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
     let settings = &random.stochastic;
     let count = points(scene, random);
     let germs = random.germs.len();
+    let at_once = scene.is_of_all_outcomes(random);
     let how = match settings.method {
+        Sampling::Galerkin if at_once => {
+            format!("galerkin in {count} polynomials of total degree {} in {germs} germ(s)", settings.degree)
+        }
         Sampling::Galerkin | Sampling::Collocation => format!(
             "{} of degree {} on {} element(s) in each of {germs} germ(s): {count} points{}",
             method(settings.method),
@@ -66,6 +76,9 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
         ),
     };
     let each = match scene.is_on_grid() {
+        true if at_once => {
+            "one system for all of them, solved with the factor of the mean moduli, and fresh outcomes beside it"
+        }
         true => "each a body of its own, with a factorisation of the grid",
         false if scene.problem.has_several_bodies() => "each a solve of the interfaces: every body is factorised once",
         false => "each a condensed contact solve with the one factorisation of the mesh",
@@ -73,7 +86,7 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
     let why = format!(
         "{each}{}",
         match (settings.method, sparse(random)) {
-            (Sampling::Galerkin | Sampling::Collocation, Some(sparse)) if sparse < count =>
+            (Sampling::Galerkin | Sampling::Collocation, Some(sparse)) if sparse < count && !at_once =>
                 format!("; method = \"sparse\" of level {} has {sparse} points", settings.level),
             _ => String::new(),
         }
@@ -85,7 +98,7 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
         why
     };
     modelled.push(decision("random input", how, why));
-    if scene.uses(random).young && settings.method == Sampling::Galerkin {
+    if scene.uses(random).young && settings.method == Sampling::Galerkin && !at_once {
         let (choice, why) = match is_coupled(scene, random) {
             Ok(true) => ("coupled", "the modulus is not affine in its germs: the exact Galerkin system, cell by cell"),
             _ => (

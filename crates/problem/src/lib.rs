@@ -25,6 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod affine;
 mod cells;
 mod coarsened;
 mod check;
@@ -63,6 +64,7 @@ use std::collections::BTreeMap;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 
+pub use affine::AffineModuli;
 pub use cells::{BASES, BasisInput, CellModuli, Cells, GridInput, MOST_CELLS, TableOrder, bounding_box};
 pub use check::STIFFNESS;
 pub use cracks::{Crack, CrackError, cut_by_cracks};

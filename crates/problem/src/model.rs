@@ -4,17 +4,19 @@ use steklov_expression::Expression;
 
 use super::grid_fit::{AS_TWO_BODIES, check_edges, fitting_grid, without_grid};
 use super::{
-    BasisInput, DataError, DataErrorKind as Kind, GridInput, Indicator, Model, Multiplier, Sampling, Scene, check_body,
-    check_modulus_cells, grid_of, poisson_ratios,
+    BasisInput, DataError, DataErrorKind as Kind, GridInput, Indicator, Model, Multiplier, Random, Sampling, Scene,
+    check_body, check_modulus_cells, grid_of, poisson_ratios,
 };
 
 impl Scene {
     /// The model that is used, never [`Model::Auto`]: boundary elements unless the material or the body force differs from
     /// place to place; then multiscale finite elements, or finite elements where a coarse cell is one fine cell; with boundary
-    /// elements around them where there is a medium. Families of grids are finite elements.
+    /// elements around them where there is a medium. Families of grids, and Galerkin in all germs, are finite elements.
     pub fn model(&self) -> Model {
-        let levels = self.random.as_ref().is_some_and(|random| random.stochastic.method == Sampling::Multilevel);
-        let one_fine_cell = levels || self.body().grid.is_some_and(|grid| grid.fine == [1, 1]);
+        let of_fine_cells =
+            |random: &Random| matches!(random.stochastic.method, Sampling::Multilevel | Sampling::Galerkin);
+        let of_fine_cells = self.random.as_ref().is_some_and(of_fine_cells);
+        let one_fine_cell = of_fine_cells || self.body().grid.is_some_and(|grid| grid.fine == [1, 1]);
         match (self.method.model, self.problem.medium().is_some()) {
             (Model::Auto, _) if !self.varies() => Model::Bem,
             (Model::Auto, false) if one_fine_cell => Model::Fem,
@@ -127,16 +129,21 @@ impl Scene {
         DataError::at(Kind::Unsupported, &[vec!["stochastic", "method"], vec!["random"]], message, help)
     }
 
-    /// Random input on a grid: the methods that solve outcome by outcome.
+    /// Random input on a grid: the methods that solve outcome by outcome, and Galerkin where all of them have one system.
     fn check_random_on_grid(&self) -> Result<(), DataError> {
-        let method = self.random.as_ref().map(|random| random.stochastic.method);
-        if method == Some(Sampling::Multilevel) && self.model() != Model::Fem {
-            return Err(self.no_family_of_grids());
+        let Some(random) = &self.random else { return Ok(()) };
+        match random.stochastic.method {
+            Sampling::Multilevel if self.model() != Model::Fem => Err(self.no_family_of_grids()),
+            Sampling::Galerkin => self.check_affine(random),
+            Sampling::Collocation => {
+                let message =
+                    "on a grid each outcome is a body of its own, which a mesh of the germs would couple".to_owned();
+                let help = "take method = \"sparse\" for smooth answers of few germs, or \"monte-carlo\"";
+                let keys = [vec!["stochastic", "method"], vec!["random"]];
+                Err(DataError::at(Kind::Unsupported, &keys, message, help))
+            }
+            _ => Ok(()),
         }
-        let Some(Sampling::Galerkin | Sampling::Collocation) = method else { return Ok(()) };
-        let message = "on a grid each outcome is a body of its own, which a mesh of the germs would couple".to_owned();
-        let help = "take method = \"sparse\" for smooth answers of few germs, or \"monte-carlo\"";
-        Err(DataError::at(Kind::Unsupported, &[vec!["stochastic", "method"], vec!["random"]], message, help))
     }
 
     /// Finite elements: what they cannot treat, and whether body and modulus cells fit the grid.
@@ -158,8 +165,17 @@ impl Scene {
             false => check_body(self, grid.cells(), "fine")?,
             true => check_body(self, grid.coarse, "coarse")?,
         }
-        let Some(cells) = self.body().cells() else { return Ok(()) };
+        let Some(cells) = self.body().cells() else { return self.check_positive() };
         check_modulus_cells(self, cells, grid.cells())?;
-        poisson_ratios(self, &grid_of(self)?).map(drop)
+        poisson_ratios(self, &grid_of(self)?)?;
+        self.check_positive()
+    }
+
+    /// Moduli that are affine in the germs, positive whatever their values.
+    fn check_positive(&self) -> Result<(), DataError> {
+        match self.random.as_ref().filter(|random| self.is_of_all_outcomes(random)) {
+            Some(random) => self.affine_moduli(random, &grid_of(self)?).map(drop),
+            None => Ok(()),
+        }
     }
 }

@@ -51,19 +51,25 @@ impl TotalDegree {
     pub fn apply(&self, product: &AffineProduct<'_>, beside: &[Vec<Coupled>], blocks: &[f64]) -> Vec<f64> {
         let n = blocks.len() / self.degrees().len();
         assert_eq!(n * self.degrees().len(), blocks.len(), "a vector for each polynomial");
-        let germs = self.degrees()[0].len();
         let mut all = vec![0.0; blocks.len()];
         all.par_chunks_mut(n.max(1)).enumerate().for_each(|(a, out)| {
-            let mut mixed = vec![vec![0.0; n]; germs];
-            for Coupled { germ, other, value } in &beside[a] {
-                let u = &blocks[other * n..(other + 1) * n];
-                mixed[*germ].iter_mut().zip(u).for_each(|(v, u)| *v += value * u);
-            }
+            let mixed = self.mixed(&beside[a], blocks);
             let own = &blocks[a * n..(a + 1) * n];
             let vectors: Vec<&[f64]> = std::iter::once(own).chain(mixed.iter().map(Vec::as_slice)).collect();
             product(&vectors, out);
         });
         all
+    }
+
+    /// Σ_b G_m[a, b] u_b for each germ, `row` being that of a in [`TotalDegree::products`].
+    pub fn mixed(&self, row: &[Coupled], blocks: &[f64]) -> Vec<Vec<f64>> {
+        let n = blocks.len() / self.degrees().len();
+        let mut mixed = vec![vec![0.0; n]; self.degrees()[0].len()];
+        for Coupled { germ, other, value } in row {
+            let u = &blocks[other * n..(other + 1) * n];
+            mixed[*germ].iter_mut().zip(u).for_each(|(v, u)| *v += value * u);
+        }
+        mixed
     }
 
     /// Solves a family for all germs until the residual, in the norm of K_0⁻¹, is `tolerance` times that of u = 0.

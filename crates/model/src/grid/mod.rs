@@ -13,6 +13,7 @@
 //! those of boundary elements.
 
 mod adjoint;
+mod affine;
 mod answer;
 mod cells;
 mod coupled;
@@ -29,6 +30,7 @@ mod system;
 mod trace;
 
 pub use adjoint::modulus_derivatives;
+pub(crate) use affine::{AffineGrid, OfBlock};
 pub use error_parts::{FAILING, GridEstimate};
 pub use layout::GridLayout;
 pub use run::{MARKING, OnGrid};

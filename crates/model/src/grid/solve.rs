@@ -136,7 +136,7 @@ fn solve_unestimated(
 }
 
 /// Stress as a traction on element e, times half its length: the moment against one end.
-fn moment([xx, yy, xy]: [f64; 3], trace: &GridTrace, e: usize) -> [f64; 2] {
+pub(super) fn moment([xx, yy, xy]: [f64; 3], trace: &GridTrace, e: usize) -> [f64; 2] {
     let ([nx, ny], half) = (trace.mesh.normal(e, 0.0), trace.mesh.length(e) / 2.0);
     [half * (xx * nx + xy * ny), half * (xy * nx + yy * ny)]
 }

@@ -49,6 +49,7 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         }),
         "levels": levels(result),
         "cells": result.cells.as_ref().map(|c| c.degree.len()),
+        "blocks": (random.stochastic.method == Sampling::Galerkin && result.in_body.is_some()).then_some(result.solved),
         "coupled": result.coupled,
         "reason": result.end.word(),
         "truncation_relative": result.truncation,

@@ -3,6 +3,7 @@
 //! ```text
 //! Body, germs ─► Outcomes: what acts, E/E₀ ─► Answer of each point: node by node, or coupled over the nodes of a cell
 //! grid, germs ─► OutcomesOnGrid: a body of its own for each outcome ─► Answer of each point, one by one
+//! grid, affine E(ξ) ─► of_affine: one system for the polynomials of all outcomes
 //! points: StochasticMesh (Galerkin, collocation; refined until its truncation is small), sparse grid, samples,
 //!         samples of differences between the grids of a family (multilevel)
 //! answers ─► StochasticResult: moments, quantiles, probability of contact, effect of each germ, levels
@@ -27,6 +28,7 @@ mod kept;
 mod corrected;
 mod in_body;
 mod one_by_one;
+mod affine;
 mod on_grid;
 mod multilevel;
 mod spread;

@@ -5,6 +5,7 @@ use std::time::Instant;
 use steklov_contact::Solution;
 use steklov_problem::{Random, Sampling, Scene, Uses};
 
+use super::affine::{Asked, of_affine};
 use super::all_outcomes::{finish, scales};
 use super::in_body::InBody;
 use super::jumps::InGerms;
@@ -26,7 +27,7 @@ const BLOCK: usize = 64;
 
 /// Solves a scene for all outcomes of its random input on one grid; `observe` is handed the answers.
 ///
-/// *Cost*: a solution of the grid for each outcome.
+/// *Cost*: a solution of the grid for each outcome; of Galerkin one system for all of them.
 ///
 /// # Errors
 /// As [`solve_stochastic`](super::solve_stochastic).
@@ -47,6 +48,10 @@ pub fn solve_stochastic_on_grid(
     let scales = scales(scene, &numbers, &summary(&nominal, &solved))?;
     let method = random.stochastic.method;
     let mut result = match method {
+        Sampling::Galerkin => {
+            let asked = Asked { outcomes: &outcomes, random, layout, numbers: &numbers };
+            of_affine(&asked, &solved.body.grid, &watch)?
+        }
         Sampling::Multilevel => of_levels((scene, layout), random, (&numbers, &scales), &watch)?,
         _ => {
             let answer = |germs: &[f64], _: &mut Option<Solution>| {

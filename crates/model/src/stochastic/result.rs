@@ -22,7 +22,7 @@ pub(super) const OVERLOOKED: f64 = 2.0;
 /// Probability of outcomes with data that are neither known nor excluded below which they do not count.
 pub(super) const UNDECIDED: f64 = 1e-4;
 /// Answers with more numbers than this together are not kept.
-const KEPT: usize = 8_000_000;
+pub(super) const KEPT: usize = 8_000_000;
 
 /// Statistics of one quantity.
 #[derive(Debug, Clone)]

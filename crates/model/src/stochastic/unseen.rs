@@ -17,7 +17,7 @@ const LIKELY: f64 = 3.0;
 const SINGLE: usize = 24;
 const CORNERS: usize = 5;
 /// Root mean squares of a few residuals are rather too small.
-const SAFETY: f64 = 1.5;
+pub(super) const SAFETY: f64 = 1.5;
 /// Differences below this part of a value are rounding.
 const ROUNDING: f64 = 1e-9;
 

@@ -1,0 +1,320 @@
+//! All outcomes of a grid at once, where the moduli are affine in the germs: polynomials of total degree p from one system.
+//!
+//! ```text
+//! E(ξ) ─► K_0, K_1, .. ─► u_a of binomial(d + p, p) polynomials ψ_a ─► of each number q its q_a: q(ξ) = Σ_a q_a ψ_a(ξ)
+//! mean q_0, variance Σ_(a ≠ 0) q_a², effects; quantiles from samples of the polynomials; error from their decay and from outcomes
+//! ```
+
+use rayon::prelude::*;
+use steklov_msfem::Grid;
+use steklov_problem::{AffineModuli, Random, Scene};
+use steklov_stochastic::{Coupled, Moments, Points, TotalDegree, Variable, density, quantiles, sample, smolyak};
+
+use super::check::{STREAM, wanted};
+use super::in_body::BodyMoments;
+use super::number::Number;
+use super::on_grid::{OutcomesOnGrid, numbers_of};
+use super::outcomes::Answer;
+use super::result::{BINS, BLOCK, Cells, KEPT, OVERLOOKED, StochasticResult, Watch, bounds, of_grid};
+use super::unseen::SAFETY;
+use crate::error::SolveError;
+use crate::grid::{AffineGrid, GridLayout, OfBlock};
+
+/// Residual of the equations, relative: spreads above 1e-10 are taken for real.
+const SOLVED: f64 = 1e-12;
+/// Most fresh outcomes beside the polynomials.
+const FRESH: usize = 16;
+/// Blocks whose fields are held at a time.
+const TOGETHER: usize = 32;
+/// Largest ratio of one degree to the one below that is believed to fall.
+const SLOWEST: f64 = 0.95;
+/// Relative to the mean square, variances below this are rounding.
+const NO_VARIANCE: f64 = 1e-20;
+
+/// The scene and what it asks for.
+pub(super) struct Asked<'a> {
+    pub(super) outcomes: &'a OutcomesOnGrid<'a>,
+    pub(super) random: &'a Random,
+    pub(super) layout: &'a GridLayout,
+    pub(super) numbers: &'a [Number],
+}
+
+/// The polynomials of everything that is told.
+struct Polynomials {
+    basis: TotalDegree,
+    /// Coefficients of each quantity.
+    quantities: Vec<Vec<f64>>,
+    /// u_a of all fine unknowns, one after the other.
+    blocks: Vec<f64>,
+    /// That of the boundary.
+    boundary: Vec<Vec<f64>>,
+    /// u_aᵀ K_0 u_a.
+    energies: Vec<f64>,
+    in_body: BodyMoments,
+    iterations: usize,
+}
+
+/// What fresh outcomes show.
+struct Measured {
+    outcomes: usize,
+    /// Mean squared residual of each quantity.
+    quantities: Vec<f64>,
+    /// Error of the displacement over its size, in the energy norm and in mean square.
+    relative: f64,
+}
+
+/// Solves for all outcomes at once and gathers their statistics.
+///
+/// *Use when*: few bounded germs, of which E is an affine function, and a relative error of the variance below 1e-3. *Cost*: 10
+/// to 25 back substitutions for each of the binomial(d + p, p) polynomials, and some fresh outcomes.
+///
+/// # Errors
+/// Moduli that some outcome makes 0 or negative; an outcome that cannot be solved; [`SolveError::Interrupted`].
+pub(super) fn of_affine(asked: &Asked<'_>, grid: &Grid, watch: &Watch<'_>) -> Result<StochasticResult, SolveError> {
+    let (scene, random) = (&asked.outcomes.scene, asked.random);
+    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
+    let basis = TotalDegree::new(&variables, random.stochastic.degree)?;
+    let moduli = scene.affine_moduli(random, grid)?;
+    watch.check()?;
+    let polynomials = polynomials(asked, basis, &moduli, &variables, watch)?;
+    watch.check()?;
+    let measured = polynomials.measured(asked, &variables, watch)?;
+    let points = points(&variables, &random.stochastic)?;
+    let mut result = polynomials.at_points(asked, points, (&moduli, grid))?;
+    polynomials.add_samples(scene, random, &variables, &mut result, watch)?;
+    polynomials.add_truncation(random, &variables, &measured, &mut result);
+    Ok(result)
+}
+
+/// The points of the sparse grid of the degree, whose rule gives means and variances of the polynomials, or of the highest level
+/// below it with as few points as are allowed.
+fn points(variables: &[Variable], settings: &steklov_problem::Stochastic) -> Result<Points, SolveError> {
+    for level in (1..=settings.degree).rev() {
+        match smolyak(variables, level) {
+            Ok(grid) if grid.points.len() <= settings.max_nodes => return Ok(grid),
+            _ => {}
+        }
+    }
+    Ok(smolyak(variables, 0)?)
+}
+
+fn polynomials(
+    asked: &Asked<'_>,
+    basis: TotalDegree,
+    moduli: &AffineModuli,
+    variables: &[Variable],
+    watch: &Watch<'_>,
+) -> Result<Polynomials, SolveError> {
+    let means: Vec<f64> = variables.iter().map(Variable::mean).collect();
+    let mean = asked.outcomes.scene.outcome(&means)?;
+    let equations = AffineGrid::new(&mean, asked.layout, moduli)?;
+    let solved = equations.solve(&basis, SOLVED)?;
+    let (count, n) = (basis.degrees().len(), solved.blocks.len() / basis.degrees().len());
+    let rows: Vec<Vec<Coupled>> = basis.products();
+    let mut made = Polynomials {
+        quantities: vec![Vec::with_capacity(count); asked.numbers.len()],
+        boundary: Vec::with_capacity(count),
+        energies: Vec::with_capacity(count),
+        in_body: BodyMoments::default(),
+        iterations: solved.iterations,
+        blocks: solved.blocks,
+        basis,
+    };
+    for first in (0..count).step_by(TOGETHER) {
+        watch.check()?;
+        let part = first..count.min(first + TOGETHER);
+        let of = |a: usize| equations.of_block(&made.basis, &rows[a], &made.blocks, a);
+        let all: Vec<OfBlock> = part.clone().into_par_iter().map(of).collect();
+        for (a, OfBlock { figures, stress, energy, boundary }) in part.zip(all) {
+            made.quantities.iter_mut().zip(asked.numbers).for_each(|(q, number)| q.push(number.of(&figures)));
+            made.energies.push(energy);
+            made.boundary.push(boundary);
+            add_square(&mut made.in_body.displacement, a, &made.blocks[a * n..(a + 1) * n]);
+            add_square(&mut made.in_body.stress, a, &stress);
+        }
+        watch.tell(first + TOGETHER.min(count - first), count);
+    }
+    let cells: Vec<usize> = equations.body.grid.body_cells().collect();
+    let deviations: Vec<f64> = variables.iter().map(|v| v.variance().sqrt()).collect();
+    let square = |c: usize| moduli.parts[1..].iter().zip(&deviations).map(|(e, d)| (e[c] * d).powi(2)).sum();
+    made.in_body.young.mean = cells.iter().map(|&c| moduli.parts[0][c]).collect();
+    made.in_body.young.variance = cells.iter().map(|&c| square(c)).collect();
+    Ok(made)
+}
+
+/// Takes the coefficients of ψ_a: the first ones are means.
+fn add_square(moments: &mut Moments, a: usize, values: &[f64]) {
+    if a == 0 {
+        *moments = Moments { mean: values.to_vec(), variance: vec![0.0; values.len()] };
+        return;
+    }
+    moments.variance.iter_mut().zip(values).for_each(|(sum, v)| *sum += v * v);
+}
+
+impl Polynomials {
+    /// Σ_a c_a ψ_a.
+    fn value(&self, psi: &[f64], coefficients: &[f64]) -> f64 {
+        psi.iter().zip(coefficients).map(|(p, c)| p * c).sum()
+    }
+
+    /// Σ_a ψ_a v_a of vectors.
+    fn field<'b>(&self, psi: &[f64], vectors: impl Iterator<Item = &'b [f64]>) -> Vec<f64> {
+        let mut sum = Vec::new();
+        for (p, v) in psi.iter().zip(vectors) {
+            sum.resize(v.len(), 0.0);
+            sum.iter_mut().zip(v).for_each(|(s, v)| *s += p * v);
+        }
+        sum
+    }
+
+    /// Fresh outcomes beside the polynomials.
+    fn measured(&self, asked: &Asked<'_>, variables: &[Variable], watch: &Watch<'_>) -> Result<Measured, SolveError> {
+        let (settings, count) = (&asked.random.stochastic, self.basis.degrees().len());
+        let n = self.blocks.len() / count;
+        let outcomes = wanted(settings, count).min(FRESH);
+        let one = |i: usize| {
+            watch.check()?;
+            let germs = sample(variables, settings.seed ^ STREAM, i as u64);
+            let (scene, solved) = asked.outcomes.solve(&germs)?;
+            let psi = self.basis.values(&germs);
+            let answer = numbers_of(&scene, &solved, asked.numbers);
+            let foreseen = self.quantities.iter().map(|q| self.value(&psi, q));
+            let squares = answer.quantities.iter().zip(foreseen).map(|(v, f)| (v - f).powi(2)).collect();
+            let mut off = self.field(&psi, self.blocks.chunks(n));
+            off.iter_mut().zip(&solved.displacement).for_each(|(e, u)| *e -= u);
+            let u = &solved.displacement;
+            Ok::<(Vec<f64>, [f64; 2]), SolveError>((
+                squares,
+                [solved.body.energy(&off, &off), solved.body.energy(u, u)],
+            ))
+        };
+        let all: Vec<(Vec<f64>, [f64; 2])> = (0..outcomes).into_par_iter().map(one).collect::<Result<_, _>>()?;
+        let mean = |of: &dyn Fn(&(Vec<f64>, [f64; 2])) -> f64| all.iter().map(of).sum::<f64>() / outcomes as f64;
+        let [error, size] = [0, 1].map(|k| mean(&|(_, energies)| energies[k]));
+        Ok(Measured {
+            outcomes,
+            quantities: (0..self.quantities.len()).map(|k| mean(&|(squares, _)| squares[k])).collect(),
+            relative: if size > 0.0 { (error / size).max(0.0).sqrt() } else { 0.0 },
+        })
+    }
+
+    /// The values at points, and the moments from the coefficients.
+    fn at_points(
+        &self,
+        asked: &Asked<'_>,
+        Points { points, weights }: Points,
+        (moduli, grid): (&AffineModuli, &Grid),
+    ) -> Result<StochasticResult, SolveError> {
+        let cells: Vec<usize> = grid.body_cells().collect();
+        let means: Vec<f64> =
+            moduli.parts.iter().map(|e| cells.iter().map(|&c| e[c]).sum::<f64>() / cells.len() as f64).collect();
+        let keeps = points.len() * self.boundary[0].len() <= KEPT;
+        let answer = |germs: &Vec<f64>| {
+            let psi = self.basis.values(germs);
+            let off = germs.iter().enumerate().map(|(m, xi)| (xi - self.basis.germ(m)[0]) * means[m + 1]);
+            let displacement = match keeps {
+                true => self.field(&psi, self.boundary.iter().map(Vec::as_slice)),
+                false => Vec::new(),
+            };
+            let quantities = self.quantities.iter().map(|q| self.value(&psi, q)).collect();
+            Answer {
+                modulus: means[0] + off.sum::<f64>(),
+                displacement,
+                quantities,
+                converged: true,
+                ..Answer::default()
+            }
+        };
+        let answers: Vec<Answer> = points.par_iter().map(answer).collect();
+        let mut result = of_grid(points, weights, &answers, asked.numbers)?;
+        if !keeps {
+            result.displacements = Vec::new();
+        }
+        self.boundary.iter().enumerate().for_each(|(a, u)| add_square(&mut result.displacement, a, u));
+        result.in_body = Some(self.in_body.clone());
+        for (quantity, coefficients) in result.quantities.iter_mut().zip(&self.quantities) {
+            quantity.mean = coefficients[0];
+            quantity.variance = coefficients[1..].iter().map(|c| c * c).sum();
+            let square = quantity.mean * quantity.mean + quantity.variance;
+            quantity.effects = (quantity.variance > NO_VARIANCE * square).then(|| self.basis.effects(coefficients));
+        }
+        (result.solved, result.iterations, result.coupled) = (self.basis.degrees().len(), self.iterations, true);
+        Ok(result)
+    }
+
+    /// Quantiles and densities from samples of the polynomials.
+    fn add_samples(
+        &self,
+        scene: &Scene,
+        random: &Random,
+        variables: &[Variable],
+        result: &mut StochasticResult,
+        watch: &Watch<'_>,
+    ) -> Result<(), SolveError> {
+        let (settings, count) = (&random.stochastic, random.stochastic.samples);
+        let mut samples = vec![Vec::with_capacity(count); self.quantities.len()];
+        let at = |i: usize| -> Vec<f64> {
+            let psi = self.basis.values(&sample(variables, settings.seed, i as u64));
+            self.quantities.iter().map(|q| self.value(&psi, q)).collect()
+        };
+        for first in (0..count).step_by(BLOCK) {
+            watch.check()?;
+            let block: Vec<Vec<f64>> = (first..count.min(first + BLOCK)).into_par_iter().map(at).collect();
+            block.into_iter().for_each(|one| samples.iter_mut().zip(one).for_each(|(all, v)| all.push(v)));
+        }
+        let equal = vec![1.0; count];
+        for (quantity, samples) in result.quantities.iter_mut().zip(&mut samples) {
+            let [low, high] = bounds(scene, &quantity.name);
+            samples.iter_mut().for_each(|v| *v = v.clamp(low, high));
+            quantity.quantiles = Some(quantiles(samples, &equal, &settings.quantiles)?);
+            quantity.density = density(samples, &equal, BINS).ok(); // none of a constant
+        }
+        Ok(())
+    }
+
+    /// Σ of the squares of each total degree.
+    fn by_degree(&self, squares: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut sums = vec![0.0; self.basis.degree() + 1];
+        self.basis.totals().zip(squares).for_each(|(k, square)| sums[k] += square);
+        sums
+    }
+
+    /// Adds the error of the truncation: estimated, the degrees above p falling as the last ones do, or measured by fresh
+    /// outcomes if that is more; both half as much again.
+    fn add_truncation(
+        &self,
+        random: &Random,
+        variables: &[Variable],
+        measured: &Measured,
+        result: &mut StochasticResult,
+    ) {
+        let p = self.basis.degree();
+        let energies = self.by_degree(self.energies.iter().copied());
+        let total: f64 = energies.iter().sum();
+        let fall = |above: f64, below: f64| if below > 0.0 { (above / below).sqrt().min(SLOWEST) } else { 0.0 };
+        let ratio = if p == 0 { SLOWEST } else { fall(energies[p], energies[p - 1]) };
+        // √(Σ_(k > p) T_k²) for T_k falling by the ratio, of a quantity whose degrees alternate from the one before the last
+        let rest = ratio / (1.0 - ratio * ratio).sqrt();
+        for (quantity, (coefficients, squared)) in
+            result.quantities.iter_mut().zip(self.quantities.iter().zip(&measured.quantities))
+        {
+            let parts = self.by_degree(coefficients.iter().map(|c| c * c));
+            let before = if p > 1 { ratio * parts[p - 1].sqrt() } else { 0.0 };
+            let estimated = parts[p].sqrt().max(before) * rest;
+            quantity.truncation = Some(SAFETY * estimated.max(squared.sqrt()));
+        }
+        let estimated = if total > 0.0 { SAFETY * rest * (energies[p] / total).sqrt() } else { 0.0 };
+        let share = |m: usize| {
+            let of_germ = self.basis.degrees().iter().zip(self.basis.totals()).zip(&self.energies);
+            let highest = of_germ.filter(|((_, k), _)| *k == p && p > 0);
+            highest.map(|((a, _), e)| a[m] as f64 / p as f64 * e).sum::<f64>() / energies[p].max(f64::MIN_POSITIVE)
+        };
+        result.truncation = Some(estimated.max(measured.relative));
+        result.truncation_measured = Some(measured.relative);
+        result.truncation_by_germ = (0..variables.len()).map(|m| share(m) * estimated * estimated).collect();
+        result.overlooked = measured.relative > OVERLOOKED * estimated.max(random.stochastic.tolerance);
+        result.checks = measured.outcomes;
+        let end = |k: usize| vec![variables.iter().map(|v| v.germ_support()[k]).collect()];
+        result.cells = Some(Cells { low: end(0), high: end(1), degree: vec![vec![p; variables.len()]] });
+    }
+}

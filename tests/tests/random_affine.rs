@@ -1,0 +1,267 @@
+//! Grids whose moduli are affine in the germs, solved for all outcomes at once: against another code, against sparse grids, and
+//! in closed form.
+
+use steklov_model::grid::GridLayout;
+use steklov_model::stochastic::{Quantity, StochasticResult, json, solve_stochastic_on_grid};
+use steklov_problem::Scene;
+use steklov_stochastic::{Recurrence, Variable};
+use steklov_tests::parse;
+
+fn read(text: &str) -> Scene {
+    parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+fn outcomes(scene: &Scene) -> StochasticResult {
+    let random = scene.random.as_ref().expect("random input");
+    let layout = GridLayout::first(scene).unwrap_or_else(|e| panic!("{e}"));
+    solve_stochastic_on_grid(scene, random, &layout, &|_, _| {}, &|| false, &mut |_| Ok(()))
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn quantity<'a>(result: &'a StochasticResult, name: &str) -> &'a Quantity {
+    result.quantities.iter().find(|q| q.name == name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+/// Frequency of the k-th mode of exp(-|d|/ℓ) on [0, L] by bisection, and its eigenvalue.
+fn mode(length: f64, correlation: f64, k: usize) -> (f64, f64) {
+    let (a, c, pi) = (length / 2.0, 1.0 / correlation, std::f64::consts::PI);
+    let f = |w: f64| match k % 2 {
+        0 => c * (w * a).cos() - w * (w * a).sin(),
+        _ => w * (w * a).cos() + c * (w * a).sin(),
+    };
+    let (mut low, mut high) = (k as f64 * pi / length + 1e-14, (k + 1) as f64 * pi / length - 1e-14);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if (f(low) > 0.0) == (f(middle) > 0.0) { low = middle } else { high = middle }
+    }
+    (low, 2.0 * c / (low * low + c * c))
+}
+
+/// √λ b of the six largest product modes on [0, 2] × [0, 1], correlation ½, as functions and as expressions of x and y.
+fn modes() -> Vec<(Box<dyn Fn(f64, f64) -> f64>, String)> {
+    let mut all: Vec<(f64, [(usize, f64, f64); 2])> = Vec::new();
+    for i in 0..8 {
+        for j in 0..8 {
+            let ((wx, lx), (wy, ly)) = (mode(2.0, 0.5, i), mode(1.0, 0.5, j));
+            all.push((lx * ly, [(i, wx, 2.0), (j, wy, 1.0)]));
+        }
+    }
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let factor = |(k, w, length): (usize, f64, f64)| {
+        let (a, s) = (length / 2.0, (w * length).sin() / (2.0 * w));
+        (k % 2 == 0, w, a, if k % 2 == 0 { a + s } else { a - s }.sqrt())
+    };
+    let made = |(eigenvalue, [x, y]): (f64, [(usize, f64, f64); 2])| {
+        let (fx, fy) = (factor(x), factor(y));
+        let one = |(even, w, a, norm): (bool, f64, f64, f64), x: f64| {
+            let at = w * (x - a);
+            (if even { at.cos() } else { at.sin() }) / norm
+        };
+        let text = |(even, w, a, norm): (bool, f64, f64, f64), x: &str| {
+            format!("{}({w}*({x}-{a}))/{norm}", if even { "cos" } else { "sin" })
+        };
+        let whole = format!("{}*{}*{}", eigenvalue.sqrt(), text(fx, "x"), text(fy, "y"));
+        let value = move |x: f64, y: f64| eigenvalue.sqrt() * one(fx, x) * one(fy, y);
+        (Box::new(value) as Box<dyn Fn(f64, f64) -> f64>, whole)
+    };
+    all.into_iter().take(6).map(made).collect()
+}
+
+/// The plate [0, 2] × [0, 1] of n × n/2 cells, clamped and sheared, E = 1 + s Z; `part` is s over the largest s.
+fn plate(n: usize, part: f64, stochastic: &str) -> Scene {
+    let (modes, h, root) = (modes(), 2.0 / n as f64, 3f64.sqrt());
+    let reach = |c: usize| {
+        let (x, y) = (h * ((c / (n / 2)) as f64 + 0.5), h * ((c % (n / 2)) as f64 + 0.5));
+        modes.iter().map(|(b, _)| root * b(x, y).abs()).sum::<f64>()
+    };
+    let s = part / (0..n * n / 2).map(reach).fold(0.0, f64::max);
+    let sum: Vec<String> = modes.iter().enumerate().map(|(m, (_, text))| format!("g{m}*{text}")).collect();
+    let random: String = (0..6)
+        .map(|m| format!("[random.g{m}]\ndistribution = \"uniform\"\nlow = {}\nhigh = {root}\n", -root))
+        .collect();
+    read(&format!(
+        "title = \"plate\"\n[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\n\
+         sides = [\"bottom\", \"right\", \"top\", \"left\"]\n[material]\npoisson = 0.3\n\
+         [material.cells]\nsize = {h}\nyoung = \"1 + {s}*({})\"\n{random}[sides.left]\ndisplacement = [0, 0]\n\
+         [sides.right]\ntraction = [0, -1]\n[grid]\ncoarse = [{n}, {}]\nfine = [1, 1]\n[method]\nrefine = \"none\"\n\
+         [probe]\npoints = [[2, 0.5]]\n[stochastic]\nquantities = [\"probe.0.displacement.y\"]\nsamples = 100\n\
+         max_nodes = 100000\n{stochastic}\n",
+        sum.join(" + "),
+        n / 2
+    ))
+}
+
+/// Mean and variance of the tip of another code, numpy with banded factors, degrees 1 to 3 at .6 and .9 of the largest s.
+#[test]
+fn plates_are_those_of_another_code() {
+    let gold = [
+        (
+            0.6,
+            [
+                (-35.000397407831414, 8.989527338412984),
+                (-35.01624330214747, 9.5742200146904),
+                (-35.01685376095025, 9.603574464779165),
+            ],
+        ),
+        (
+            0.9,
+            [
+                (-35.71666111014227, 21.06281690749081),
+                (-35.80357662837367, 24.390503813765275),
+                (-35.811869328339554, 24.812201264301212),
+            ],
+        ),
+    ];
+    for (part, of_degrees) in gold {
+        for (degree, (mean, variance)) in (1..).zip(of_degrees) {
+            let scene = plate(32, part, &format!("method = \"galerkin\"\ndegree = {degree}"));
+            let result = outcomes(&scene);
+            let tip = quantity(&result, "probe.0.displacement.y");
+            println!(
+                "{part} degree {degree}: {} iterations, mean {:e}, variance {:e}, truncation {:?}, measured {:?}, told {:?}",
+                result.iterations,
+                tip.mean / mean - 1.0,
+                tip.variance / variance - 1.0,
+                result.truncation,
+                result.truncation_measured,
+                tip.truncation.map(|t| t / tip.variance.sqrt())
+            );
+            assert!((tip.mean / mean - 1.0).abs() < 1e-8 && (tip.variance / variance - 1.0).abs() < 1e-8);
+        }
+    }
+}
+
+/// A bar of two halves in tension or pulled by a given displacement, each with a modulus 1 + s g of its own.
+fn bar(young: &str, end: &str, stochastic: &str) -> Scene {
+    read(&bar_text(young, end, stochastic))
+}
+
+fn bar_text(young: &str, end: &str, stochastic: &str) -> String {
+    format!(
+        "title = \"bar\"\n[body]\ncorners = [[0, 0], [1, 0], [1, 0.25], [0, 0.25]]\n\
+         sides = [\"bottom\", \"end\", \"top\", \"clamp\"]\n[material]\npoisson = 0\n[material.cells]\nsize = 0.125\n\
+         young = \"{young}\"\n[random.a]\ndistribution = \"uniform\"\nlow = 0\nhigh = 2\n\
+         [random.b]\ndistribution = \"beta\"\nalpha = 2\nbeta = 3\nlow = -1\nhigh = 1\n\
+         [grid]\ncoarse = [8, 2]\nfine = [1, 1]\n[sides.clamp]\ndisplacement = [0, \"free\"]\n\
+         [sides.bottom]\ndisplacement = [\"free\", 0]\n[sides.end]\n{end}\n[method]\nrefine = \"none\"\n\
+         [probe]\npoints = [[1, 0], [0.3, 0.1]]\n[stochastic]\nmethod = \"galerkin\"\nsamples = 1000\n\
+         quantities = [\"energy\", \"strain_energy\", \"probe.0.displacement.x\", \"probe.1.stress.xx\", \
+         \"reactions.clamp.x\"]\n{stochastic}\n"
+    )
+}
+
+/// Mean and variance by the Gauss rule of n points: of 1/E those that polynomials of degree n - 1 have by Galerkin.
+fn of_gauss(variable: &Variable, value: &dyn Fn(f64) -> f64, n: usize) -> [f64; 2] {
+    let rule = Recurrence::new(variable, variable.germ_support(), n).unwrap().gauss(n).unwrap();
+    let moment = |k: i32| rule.points.iter().zip(&rule.weights).map(|(&x, w)| w * value(x).powi(k)).sum::<f64>();
+    [moment(1), moment(2) - moment(1).powi(2)]
+}
+
+/// In tension the stress is 1 in all outcomes, and u = ∫ dx/E: the projections of both halves add up.
+#[test]
+fn bars_in_tension_have_the_moments_of_gauss_rules() {
+    for degree in [1, 2, 5] {
+        let scene =
+            bar("if(x < 0.5, 1 + 0.6*(a - 1), 2 + b*(1.5 - x))", "traction = [1, 0]", &format!("degree = {degree}"));
+        let result = outcomes(&scene);
+        let variables: Vec<Variable> =
+            scene.random.as_ref().unwrap().germs.iter().map(|g| g.variable.clone()).collect();
+        // f(J) of the Jacobi matrix J in the germ of a half is the Gauss rule of f; the cells of the right half differ
+        let left = |a: f64| 0.5 / (1.0 + 0.6 * (a - 1.0));
+        let right = |b: f64| (0..4).map(|k| 0.125 / (2.0 + b * (0.9375 - 0.125 * f64::from(k)))).sum::<f64>();
+        let [left, right] = [of_gauss(&variables[0], &left, degree + 1), of_gauss(&variables[1], &right, degree + 1)];
+        let (mean, variance) = (left[0] + right[0], left[1] + right[1]);
+        let tip = quantity(&result, "probe.0.displacement.x");
+        assert!((tip.mean - mean).abs() < 1e-12, "degree {degree}: {} {mean}", tip.mean);
+        assert!((tip.variance / variance - 1.0).abs() < 1e-10, "degree {degree}: {} {variance}", tip.variance);
+        let effects = tip.effects.as_ref().unwrap();
+        assert!((effects[0] - left[1] / variance).abs() < 1e-10 && (effects[1] + effects[0] - 1.0).abs() < 1e-10);
+        for (name, exact, spread) in [
+            ("energy", -0.125 * mean, 0.125 * variance.sqrt()),
+            ("strain_energy", 0.125 * mean, 0.125 * variance.sqrt()),
+            ("probe.1.stress.xx", 1.0, 0.0),
+            ("reactions.clamp.x", -0.25, 0.0),
+        ] {
+            let q = quantity(&result, name);
+            let deviation = q.variance.sqrt();
+            assert!(
+                (q.mean - exact).abs() < 1e-11 && (deviation - spread).abs() < 1e-10,
+                "{name}: {} {deviation}",
+                q.mean
+            );
+            assert!(spread > 0.0 || q.quantiles.is_none() && q.effects.is_none(), "{name}");
+        }
+        let body = result.in_body.as_ref().unwrap();
+        assert!(body.stress.mean.chunks(3).all(|s| (s[0] - 1.0).abs() < 1e-11 && s[1].abs() + s[2].abs() < 1e-11));
+        assert!(body.stress.variance.iter().all(|v| *v < 1e-20), "{:?}", body.stress.variance);
+        assert_eq!(result.displacement.mean.len(), 2 * 20);
+    }
+}
+
+/// Pulled by 1, with one modulus 1 + 0.6 (a - 1) everywhere: u = x, the stress is the modulus, the energy half of it on ¼.
+#[test]
+fn prescribed_displacements_make_affine_stresses() {
+    let scene = bar("1 + 0.6*(a - 1) + 0*b", "displacement = [1, \"free\"]", "degree = 2");
+    let result = outcomes(&scene);
+    let spread = 0.6 / 3f64.sqrt();
+    for (name, mean, deviation) in [
+        ("energy", 0.125, 0.125 * spread),
+        ("strain_energy", 0.125, 0.125 * spread),
+        ("probe.0.displacement.x", 1.0, 0.0),
+        ("probe.1.stress.xx", 1.0, spread),
+        ("reactions.clamp.x", -0.25, 0.25 * spread),
+    ] {
+        let q = quantity(&result, name);
+        assert!((q.mean - mean).abs() < 1e-12, "{name}: {}", q.mean);
+        assert!((q.variance.sqrt() - deviation).abs() < 1e-11, "{name}: {}", q.variance.sqrt());
+    }
+    let median = quantity(&result, "probe.1.stress.xx").quantiles.as_ref().unwrap()[1];
+    assert!((median - 1.0).abs() < 0.05, "{median}");
+    let told = json(scene.random.as_ref().unwrap(), &result);
+    assert_eq!((told["solution"]["method"].as_str(), told["solution"]["blocks"].as_u64()), (Some("galerkin"), Some(6)));
+}
+
+#[test]
+fn what_galerkin_cannot_treat_is_refused_by_name() {
+    let tension = "traction = [1, 0]";
+    let uniform = "1 + 0.1*a + 0.1*b";
+    let message = |text: Result<(), String>| text.err().unwrap_or_default();
+    let check = |young: &str, end: &str, more: &str, change: &dyn Fn(String) -> String| {
+        let text = change(bar_text(young, end, more));
+        message(parse(&text, &[]).map(drop).map_err(|e| e.render()))
+    };
+    let same = |text: String| text;
+    for (young, end, more, change, said) in [
+        ("exp(a) + b", tension, "", &same as &dyn Fn(String) -> String, "affine in the germs"),
+        ("1 + a*b", tension, "", &same, "affine in the germs"),
+        (uniform, "traction = [\"a\", 0]", "", &same, "loads are random"),
+        (uniform, "displacement = [\"a\", \"free\"]", "", &same, "prescribed displacements are random"),
+        (uniform, "contact = { gap = \"0.1\" }", "", &same, "in contact outcomes differ"),
+        (uniform, tension, "elements = 2", &same, "one polynomial over all germs"),
+        ("1.5 + b - 0.4*(a - 1)*2", tension, "", &same, "where all germs are at their ends"),
+        (
+            uniform,
+            tension,
+            "",
+            &|t| {
+                t.replace(
+                    "distribution = \"uniform\"\nlow = 0\nhigh = 2",
+                    "distribution = \"normal\"\nmean = 0\ndeviation = 0.1",
+                )
+            },
+            "needs bounded germs",
+        ),
+        (uniform, tension, "", &|t| t.replace("[method]", "[method]\nmodel = \"msfem\""), "bilinear elements"),
+        (
+            uniform,
+            tension,
+            "",
+            &|t| t.replace("poisson = 0\n", "").replace("young =", "poisson = \"0.1*a\"\nyoung ="),
+            "Poisson's ratio is random",
+        ),
+    ] {
+        let error = check(young, end, more, change);
+        assert!(error.contains(said), "{said}: {error}");
+    }
+    assert_eq!(check(uniform, tension, "", &same), "");
+}
