@@ -189,11 +189,11 @@ impl Polynomials {
             ))
         };
         let all: Vec<(Vec<f64>, [f64; 2])> = (0..outcomes).into_par_iter().map(one).collect::<Result<_, _>>()?;
-        let mean = |of: &dyn Fn(&(Vec<f64>, [f64; 2])) -> f64| all.iter().map(of).sum::<f64>() / outcomes as f64;
-        let [error, size] = [0, 1].map(|k| mean(&|(_, energies)| energies[k]));
+        let [error, size] = [0, 1].map(|k| all.iter().map(|(_, energies)| energies[k]).sum::<f64>());
+        let square = |k: usize| all.iter().map(|(squares, _)| squares[k]).sum::<f64>() / outcomes as f64;
         Ok(Measured {
             outcomes,
-            quantities: (0..self.quantities.len()).map(|k| mean(&|(squares, _)| squares[k])).collect(),
+            quantities: (0..self.quantities.len()).map(square).collect(),
             relative: if size > 0.0 { (error / size).max(0.0).sqrt() } else { 0.0 },
         })
     }
