@@ -37,9 +37,14 @@ fn mode(length: f64, correlation: f64, k: usize) -> (f64, f64) {
     (low, 2.0 * c / (low * low + c * c))
 }
 
+/// Number of a mode in one direction, its wave number, the length of the side.
+type Factor = (usize, f64, f64);
+/// √λ b as a function and as an expression.
+type Mode = (Box<dyn Fn(f64, f64) -> f64>, String);
+
 /// √λ b of the six largest product modes on [0, 2] × [0, 1], correlation ½, as functions and as expressions of x and y.
-fn modes() -> Vec<(Box<dyn Fn(f64, f64) -> f64>, String)> {
-    let mut all: Vec<(f64, [(usize, f64, f64); 2])> = Vec::new();
+fn modes() -> Vec<Mode> {
+    let mut all: Vec<(f64, [Factor; 2])> = Vec::new();
     for i in 0..8 {
         for j in 0..8 {
             let ((wx, lx), (wy, ly)) = (mode(2.0, 0.5, i), mode(1.0, 0.5, j));
@@ -47,11 +52,11 @@ fn modes() -> Vec<(Box<dyn Fn(f64, f64) -> f64>, String)> {
         }
     }
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let factor = |(k, w, length): (usize, f64, f64)| {
+    let factor = |(k, w, length): Factor| {
         let (a, s) = (length / 2.0, (w * length).sin() / (2.0 * w));
         (k % 2 == 0, w, a, if k % 2 == 0 { a + s } else { a - s }.sqrt())
     };
-    let made = |(eigenvalue, [x, y]): (f64, [(usize, f64, f64); 2])| {
+    let made = |(eigenvalue, [x, y]): (f64, [Factor; 2])| {
         let (fx, fy) = (factor(x), factor(y));
         let one = |(even, w, a, norm): (bool, f64, f64, f64), x: f64| {
             let at = w * (x - a);
