@@ -112,6 +112,10 @@ fn polynomials_keep_the_modes_of_effect() {
         let error = tip.standard_error.expect("an error");
         assert!(error < 0.011 * exact.variance.sqrt() && (tip.mean - exact.mean).abs() < 4.0 * error, "seed {seed}");
         assert!((tip.variance / exact.variance - 1.0).abs() < 0.2, "{} {}", tip.variance, exact.variance);
+        // fields vary by all modes
+        let [of_all, own] = [&reference, &result].map(|r| r.in_body.as_ref().expect("fields").young.variance.clone());
+        let ratio = own.iter().sum::<f64>() / of_all.iter().sum::<f64>();
+        assert!((0.75..1.3).contains(&ratio), "seed {seed}: {ratio}");
         off += ((tip.mean - exact.mean) / error).powi(2) / 4.0;
     }
     // with all modes 61 points and about 200 outcomes

@@ -38,6 +38,7 @@ const GROWTH: usize = 4;
 struct Fresh {
     germs: Vec<Vec<f64>>,
     answers: Vec<Answer>,
+    in_body: BodySums,
 }
 
 /// The polynomials of a sparse grid.
@@ -234,7 +235,10 @@ impl Rule<'_> {
         let fresh = &mut self.fresh;
         self.outcomes.stream(count.saturating_sub(have), &germs, watch, &mut |_, germs, answers| {
             fresh.germs.extend(germs);
-            fresh.answers.extend(answers.into_iter().map(|a| Answer { in_body: Default::default(), ..a }));
+            for mut answer in answers {
+                fresh.in_body.push(1.0, &std::mem::take(&mut answer.in_body));
+                fresh.answers.push(answer);
+            }
             Ok(())
         })
     }
@@ -259,7 +263,9 @@ impl Rule<'_> {
     }
 
     fn wanted(&self, surrogate: &Surrogate) -> usize {
-        self.needed(self.misfit(surrogate)).min(1e15) as usize
+        // fields of the germs that polynomials do not have are those of the outcomes
+        let least = if surrogate.kept.len() < self.random.germs.len() { MANY } else { FEW };
+        (self.needed(self.misfit(surrogate)).min(1e15) as usize).max(least)
     }
 
     /// The polynomials with which the tolerance costs least; none if samples alone do.
@@ -357,7 +363,9 @@ impl Rule<'_> {
             let left_out = self.outcomes.kept.left_out(surrogate.kept.len());
             result.kept = Some((surrogate.kept.clone(), left_out));
         }
-        result.in_body = surrogate.in_body.moments();
+        // the points of a grid of some germs do not vary in the others
+        let all = result.kept.is_none();
+        result.in_body = if all { surrogate.in_body.moments() } else { self.fresh.in_body.moments() };
         (result.checks, result.unseen, result.end) = (missed.looked, missed.probability, end);
         Ok(result)
     }
