@@ -8,6 +8,7 @@ use steklov_expression::{RandomField, Value};
 use steklov_problem::{CellModuli, Random, RandomName, Scene, Substance, moduli};
 
 use super::number::Number;
+use super::spread::is_rounding;
 use crate::error::SolveError;
 use crate::grid::{GridSolved, modulus_derivatives};
 
@@ -81,7 +82,7 @@ pub(super) fn by_effect(
     (scene, nominal): (&Scene, &Scene),
     random: &Random,
     solved: &GridSolved,
-    numbers: &[Number],
+    (numbers, scales): (&[Number], &[f64]),
 ) -> Result<Kept, SolveError> {
     let alone = |name: &&RandomName| scene.moves_cell_moduli_alone(random, name.name());
     let fields = random.names.iter().filter(alone).filter_map(|name| match name {
@@ -105,7 +106,10 @@ pub(super) fn by_effect(
     let total = |k: usize| squares.iter().flatten().map(|squares| squares[k]).sum::<f64>();
     let totals: Vec<f64> = (0..numbers.len()).map(total).collect();
     for shares in squares.iter_mut().flatten() {
-        shares.iter_mut().zip(&totals).for_each(|(s, total)| *s = if *total > 0.0 { *s / total } else { 0.0 });
+        for ((share, total), scale) in shares.iter_mut().zip(&totals).zip(scales) {
+            // forces that balance given loads vary by rounding
+            *share = if is_rounding(total.sqrt(), *scale) { 0.0 } else { *share / total };
+        }
     }
     Ok(Kept::by_shares(&squares))
 }

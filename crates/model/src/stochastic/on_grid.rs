@@ -58,7 +58,7 @@ pub fn solve_stochastic_on_grid(
                 outcomes.solve(germs).map(|(scene, solved)| kept(&scene, &solved, &numbers))
             };
             let kept = match method {
-                Sampling::Corrected => by_effect((scene, &nominal), random, &solved, &numbers)?,
+                Sampling::Corrected => by_effect((scene, &nominal), random, &solved, (&numbers, &scales))?,
                 _ => Kept::all(random.germs.len()),
             };
             let one_by_one =
