@@ -4,6 +4,7 @@ mod answer;
 mod balance;
 mod case;
 mod random;
+mod outcomes;
 mod adaptive;
 
 pub use adaptive::{Judged, finer, judged, line, solved_in_steps, step_below};
@@ -12,6 +13,7 @@ pub use answer::{
 };
 pub use balance::{unbalanced_forces, unbalanced_nodes};
 pub use case::{Case, On, View, point_of, rotated};
+pub use outcomes::{outcomes, quantity, read};
 pub use random::{Random, random_case};
 
 #[cfg(doctest)]

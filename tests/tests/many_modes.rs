@@ -1,24 +1,7 @@
 //! Fields of many modes on grids: derivatives by adjoint solutions, the modes that polynomials keep, moduli at the ends of fields.
 
 use steklov_model::grid::{GridLayout, modulus_derivatives, solve_grid};
-use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic_on_grid};
-use steklov_problem::Scene;
-use steklov_tests::{on_grid, parse};
-
-fn read(text: &str) -> Scene {
-    parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
-}
-
-fn outcomes(scene: &Scene) -> StochasticResult {
-    let random = scene.random.as_ref().expect("random input");
-    let layout = GridLayout::first(scene).unwrap_or_else(|e| panic!("{e}"));
-    solve_stochastic_on_grid(scene, random, &layout, &|_, _| {}, &|| false, &mut |_| Ok(()))
-        .unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn quantity<'a>(result: &'a StochasticResult, name: &str) -> &'a Quantity {
-    result.quantities.iter().find(|q| q.name == name).unwrap_or_else(|| panic!("no {name}"))
-}
+use steklov_tests::{on_grid, outcomes, parse, quantity, read};
 
 /// A plate of 2 by 1 that is clamped on the left and pulled down on the right.
 fn plate(young: &str, field: &str, stochastic: &str) -> String {

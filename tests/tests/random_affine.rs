@@ -1,26 +1,10 @@
 //! Grids whose moduli are affine in the germs, solved for all outcomes at once: against another code, against sparse grids, and
 //! in closed form.
 
-use steklov_model::grid::GridLayout;
-use steklov_model::stochastic::{Quantity, StochasticResult, json, solve_stochastic_on_grid};
+use steklov_model::stochastic::json;
 use steklov_problem::Scene;
 use steklov_stochastic::{Recurrence, Variable};
-use steklov_tests::parse;
-
-fn read(text: &str) -> Scene {
-    parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
-}
-
-fn outcomes(scene: &Scene) -> StochasticResult {
-    let random = scene.random.as_ref().expect("random input");
-    let layout = GridLayout::first(scene).unwrap_or_else(|e| panic!("{e}"));
-    solve_stochastic_on_grid(scene, random, &layout, &|_, _| {}, &|| false, &mut |_| Ok(()))
-        .unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn quantity<'a>(result: &'a StochasticResult, name: &str) -> &'a Quantity {
-    result.quantities.iter().find(|q| q.name == name).unwrap_or_else(|| panic!("no {name}"))
-}
+use steklov_tests::{outcomes, parse, quantity, read};
 
 /// Frequency of the k-th mode of exp(-|d|/ℓ) on [0, L] by bisection, and its eigenvalue.
 fn mode(length: f64, correlation: f64, k: usize) -> (f64, f64) {

@@ -1,24 +1,16 @@
 //! Random input among several bodies: springs in series, and outcomes against scenes of their own.
 
 use steklov_model::solve;
-use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic};
+use steklov_model::stochastic::{StochasticResult, solve_stochastic};
 use steklov_problem::{Random, Sampling, Scene};
 use steklov_stochastic::{Nodes, StochasticMesh, Variable};
-use steklov_tests::{adapt, parse};
-
-fn read(text: &str) -> Scene {
-    parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
-}
+use steklov_tests::{adapt, quantity, read};
 
 fn outcomes(scene: &Scene) -> StochasticResult {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
     let random = scene.random.as_ref().expect("random input");
     solve_stochastic(scene, random, run.matrices.as_ref().expect("matrices"), &|_, _| {}, &|| false, &mut |_| Ok(()))
         .unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn quantity<'a>(result: &'a StochasticResult, name: &str) -> &'a Quantity {
-    result.quantities.iter().find(|q| q.name == name).unwrap_or_else(|| panic!("no {name}"))
 }
 
 /// Two bars of length 1 and 2 and height 0.5 with a random gap between them, without lateral contraction; the right end comes by

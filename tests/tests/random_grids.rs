@@ -1,25 +1,9 @@
 //! Random input on grids, against closed forms: bars of random cells, and a body that is pressed on a floor.
 
-use steklov_model::grid::GridLayout;
-use steklov_model::stochastic::{End, Quantity, StochasticResult, solve_stochastic_on_grid};
+use steklov_model::stochastic::End;
 use steklov_problem::{Sampling, Scene};
 use steklov_stochastic::CellKarhunenLoeve;
-use steklov_tests::parse;
-
-fn read(text: &str) -> Scene {
-    parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
-}
-
-fn outcomes(scene: &Scene) -> StochasticResult {
-    let random = scene.random.as_ref().expect("random input");
-    let layout = GridLayout::first(scene).unwrap_or_else(|e| panic!("{e}"));
-    solve_stochastic_on_grid(scene, random, &layout, &|_, _| {}, &|| false, &mut |_| Ok(()))
-        .unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn quantity<'a>(result: &'a StochasticResult, name: &str) -> &'a Quantity {
-    result.quantities.iter().find(|q| q.name == name).unwrap_or_else(|| panic!("no {name}"))
-}
+use steklov_tests::{outcomes, parse, quantity, read};
 
 /// A bar of n cells in tension, E = exp(σ g).
 fn bar(n: usize, correlation: f64, sigma: f64, modes: usize, model: &str, coarse: usize) -> Scene {
