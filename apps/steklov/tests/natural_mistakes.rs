@@ -333,5 +333,5 @@ fn a_field_of_too_many_modes_is_refused_before_it_is_looked_at() {
     let told = place.run(["plan", "scene.toml"]).demand(1).err;
     assert!(told.contains("4045 modes"), "{told}");
     let told = place.run(["plan", "scene.toml", "--set", "stochastic.method=\"monte-carlo\""]).demand(1).err;
-    assert!(told.contains("4045 modes, more than the 512 germs"), "{told}");
+    assert!(told.contains("4045 modes, more than the 2048 germs"), "{told}");
 }
