@@ -33,9 +33,10 @@ struct Functional {
     cell: Option<(usize, f64)>,
 }
 
-/// dQ/dE_c of the numbers at some paths of the JSON object, for all cells of the grid, at a solution of a scene; `None` where the derivative of one of them
-/// is not known: with contact, with a medium, on coarse cells, and for other numbers than energies, displacements and stresses at
-/// probes, and forces of supports that do not meet another one.
+/// dQ/dE_c of the numbers at some paths of the JSON object (their unit over stress), for all cells of the grid (0 in dropped
+/// ones), at a solution of a scene; `None` where the derivative of one of them is not known: with contact, with a medium, on
+/// coarse cells, of a body that can move as a whole, and for other numbers than energies, displacements and stresses at probes,
+/// and forces of supports that do not meet another one.
 ///
 /// *Cost*: one solution of the grid a number.
 ///

@@ -73,8 +73,8 @@ pub(super) fn about_points(d: usize, level: usize) -> f64 {
     (1..=level).map(|k| 2.0 * (d + k) as f64 / k as f64).product()
 }
 
-/// The germs of a scene on a grid, with its solved nominal outcome, by their effect on the numbers: of fields that make moduli of cells and nothing else. All are of
-/// unknown effect where derivatives of the numbers are.
+/// The germs of a scene on a grid, with its solved nominal outcome, by their effect on the numbers: of fields that make moduli
+/// of cells and nothing else. All are of unknown effect where derivatives of the numbers are.
 ///
 /// # Errors
 /// Those of a solution.
