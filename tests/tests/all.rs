@@ -14,6 +14,7 @@ mod coulomb;
 mod cracks;
 mod curves;
 mod drawn_bodies;
+mod drawn_fields;
 mod edges;
 mod estimators;
 mod followed_fields;

@@ -2,7 +2,6 @@
 
 use steklov_model::stochastic::End;
 use steklov_problem::{Sampling, Scene};
-use steklov_stochastic::CellKarhunenLoeve;
 use steklov_tests::{outcomes, parse, quantity, read};
 
 /// A bar of n cells in tension, E = exp(σ g).
@@ -25,13 +24,11 @@ fn bar(n: usize, correlation: f64, sigma: f64, modes: usize, model: &str, coarse
 fn covariance(scene: &Scene) -> Vec<Vec<f64>> {
     let random = scene.random.as_ref().expect("random input");
     let (field, _) = random.fields().next().expect("a field");
-    let kl: &CellKarhunenLoeve = field.expansion.on_cells().expect("a field of cells");
-    let cells = kl.cells().body();
-    let entry = |i: usize, j: usize| {
-        let modes = kl.eigenvalues().iter().enumerate();
-        modes.map(|(m, value)| value * kl.mode(m)[i] * kl.mode(m)[j]).sum()
-    };
-    cells.iter().map(|&i| cells.iter().map(|&j| entry(i, j)).collect()).collect()
+    let cells = field.expansion.cells().expect("a field of cells");
+    let middle = |c: usize| [0, 1].map(|d| ([c / cells.cells[1], c % cells.cells[1]][d] as f64 + 0.5) * cells.size[d]);
+    let modes: Vec<Vec<f64>> = cells.body().into_iter().map(|c| field.expansion.modes(middle(c))).collect();
+    let entry = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum();
+    modes.iter().map(|a| modes.iter().map(|b| entry(a, b)).collect()).collect()
 }
 
 /// Without lateral contraction u = ∫ dx/E: mean Σ h exp(σ² V_ii/2) and variance Σ_ij h² exp(σ² (V_ii + V_jj)/2)

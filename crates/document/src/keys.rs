@@ -5,6 +5,7 @@ use steklov_problem::{
     BASES, BasisInput, INDICATORS, MODELS, MOST_CELLS, MOST_POINTS, MULTIPLIER_MESHES, MULTIPLIERS, Method, REFINES,
     SOLVERS, Stochastic,
 };
+use steklov_stochastic::Kernel;
 
 use super::body::PLANES;
 use super::exterior::RADIATIONS;
@@ -14,7 +15,8 @@ use super::form::{Key, Range, Table, Whole, quoted, words};
 use super::grid::ORDERS;
 use super::method::{AUTO, MULTIPLIER_DEGREES};
 use super::probe::POINTS;
-use super::random::{BETA, CAPTURED, KERNELS, LOGNORMAL, NORMAL, UNIFORM, VARIABLES};
+use super::random::{BETA, LOGNORMAL, NORMAL, UNIFORM};
+use super::random_field::{ALL, CAPTURED, FAMILIES, VARIABLES};
 use super::stochastic::{SAMPLINGS, SPLITS};
 
 const INF: f64 = f64::INFINITY;
@@ -25,6 +27,8 @@ pub(super) const LENGTHS: Range = Range::open(0.0, INF, "a positive length, or o
 pub(super) const ABOVE_ZERO: Range = Range::open(0.0, INF, "above 0");
 pub(super) const FRACTION: Range = Range::open(0.0, 1.0, "above 0 and below 1");
 pub(super) const SHARE: Range = Range { low: 0.0, high: 1.0, closed: [false, true], wanted: "above 0 and at most 1" };
+pub(super) const SMOOTHNESS: Range =
+    Range { low: Kernel::ROUGHEST, high: Kernel::SMOOTHEST, closed: [true, true], wanted: "from 0.5 to 10" };
 pub(super) const NOT_NEGATIVE: Range =
     Range { low: 0.0, high: INF, closed: [true, false], wanted: "finite and not negative" };
 /// Poisson's ratios.
@@ -668,14 +672,22 @@ pub(super) static FIELD: Table = table(
     "random.NAME (field)",
     "A random field of mean 0 and variance 1, by its Karhunen-Loève expansion.",
     &[
-        key("covariance", Words(&words(&KERNELS)), "", "Covariance of the values at two points.").required(),
+        key(
+            "covariance",
+            Words(&words(&FAMILIES)),
+            "",
+            "Covariance of the values at two points; independent: of no two modulus cells.",
+        )
+        .required(),
+        key("smoothness", Form::Number(SMOOTHNESS), "", "ν of matern, which has derivatives up to an order below ν.")
+            .without("required by matern"),
         key(
             "correlation",
             OneOf(&[Form::Number(LENGTHS), List(&Form::Number(LENGTHS), Some(2))]),
             "length",
             "Correlation length, or one for each of x and y.",
         )
-        .required(),
+        .without("required, but not by independent"),
         key("on", Text, "", "Name of the side that the field lives on, or \"body\".").required(),
         key(
             "captured",
@@ -686,13 +698,13 @@ pub(super) static FIELD: Table = table(
         .or(|| number(CAPTURED)),
         key(
             "modes",
-            OneOf(&[Words(&[AUTO]), Form::Whole(MODES)]),
+            OneOf(&[Words(&[AUTO, ALL]), Form::Whole(MODES)]),
             "",
-            "Number of modes that are kept; \"auto\", of a field of cells: as many as there are up to 400.",
+            "Number of modes that are kept. Of a field of cells \"auto\": as many as there are up to 400; \"all\": the field is drawn without truncation, by monte-carlo and multilevel.",
         )
         .without("as many as `captured` needs"),
         key("variables", Words(&words(&VARIABLES)), "", "Law of the modes: uniform between -√3 and √3, or normal.")
-            .or(|| quoted(&VARIABLES, true)),
+            .without("\"uniform\"; with modes = \"all\" \"normal\""),
     ],
 );
 

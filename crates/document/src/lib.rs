@@ -36,6 +36,7 @@ mod sides;
 mod method;
 mod probe;
 mod random;
+mod random_field;
 mod grid;
 mod exterior;
 mod units;
@@ -50,8 +51,8 @@ use steklov_bem_operators::{Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::{
-    Body, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, RandomConstants, Scene, Substance, Tie,
-    Units,
+    Body, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, RandomConstants, Scene, Stochastic,
+    Substance, Tie, Units,
 };
 
 use error::{ReadError, SceneErrorKind as Kind, located};
@@ -217,8 +218,8 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
         unused.push(STOCHASTIC.to_owned());
     }
     let (names, germs) = random::used(declared, asked.is_product(), &problem, &used)?;
-    let stochastic = asked.chosen(&problem, &method, germs.len());
-    let random = Random { names, germs, stochastic, constants };
+    let mut random = Random { names, germs, stochastic: Stochastic::default(), constants };
+    random.stochastic = asked.chosen(&problem, &method, &random);
     let random = (!random.names.is_empty()).then_some(random);
     Ok(Scene { title, units, problem, parameters, probe, probe_lines, probe_sides, method, expect, random, unused })
 }

@@ -3,19 +3,15 @@
 use std::sync::Arc;
 
 use steklov_bem_operators::Polygon;
-use steklov_expression::{Expression, Place, RandomField, Support};
-use steklov_problem::{Cells, DataErrorKind, Germ, Problem, RandomConstants, RandomName, Side, field_cells};
-use steklov_stochastic::{
-    CellKarhunenLoeve, Covariance, Distribution, Field as Expansion, FieldCells, Kernel, StochasticError, Truncation,
-    Variable,
-};
+use steklov_expression::{Expression, Support};
+use steklov_problem::{DataErrorKind, Germ, Problem, RandomConstants, RandomName};
+use steklov_stochastic::{Distribution, Variable};
 
 use super::body::check_name;
-use super::error::{ReadError, SceneErrorKind as Kind};
+use super::error::ReadError;
 use super::fields::{Context, Field, Fields};
 use super::keys;
-use super::method::AUTO;
-use super::tree::{Value, suggestion};
+use super::random_field::DeclaredField;
 
 pub(super) const UNIFORM: &str = "uniform";
 pub(super) const NORMAL: &str = "normal";
@@ -24,24 +20,20 @@ pub(super) const BETA: &str = "beta";
 /// Every law of a variable and its word.
 const LAWS: [(&str, Law); 4] =
     [(UNIFORM, Law::Uniform), (NORMAL, Law::Normal), (LOGNORMAL, Law::Lognormal), (BETA, Law::Beta)];
-/// Every covariance of a field and its word.
-pub(super) const KERNELS: [(&str, Kernel); 3] =
-    [("exponential", Kernel::Exponential), ("gaussian", Kernel::Gaussian), ("matern32", Kernel::Matern32)];
-/// Whether the modes of a field are uniform, by the word of their law.
-pub(super) const VARIABLES: [(&str, bool); 2] = [(UNIFORM, true), (NORMAL, false)];
-/// Share of the variance of a field that is kept.
-pub(super) const CAPTURED: f64 = 0.95;
 /// A random input as declared in the scene.
 pub(super) enum Declared {
     Variable(Variable),
-    Field {
-        covariance: Covariance,
-        /// None: as many modes as there are.
-        truncation: Option<Truncation>,
-        support: Support,
-        uniform: bool,
-        place: Place,
-    },
+    Field(DeclaredField),
+}
+
+impl Declared {
+    /// The side that a field lives on.
+    fn side(&self) -> Option<&String> {
+        match self {
+            Self::Field(DeclaredField { support: Support::Side { name, .. }, .. }) => Some(name),
+            _ => None,
+        }
+    }
 }
 
 /// Reads `[random]`; its names become constants and fields of expressions, each with its nominal value.
@@ -59,7 +51,7 @@ pub(super) fn random(
         }
         let declared = if Fields::open(&table)?.get("covariance").is_some() {
             context.fields.insert(name.to_owned(), Arc::default());
-            rough(&table, polygon)?
+            Declared::Field(DeclaredField::read(&table, polygon)?)
         } else {
             let variable = variable(&table)?;
             context.constants.insert(name.to_owned(), variable.mean());
@@ -74,8 +66,6 @@ pub(super) fn random(
 const RULE: usize = 64;
 /// Largest number of germs of a scene with fields for samples and sparse grids in a bearable time.
 const DRAWN: usize = 2048;
-/// Modes of a field that takes as many as there are.
-const MANY_MODES: usize = 400;
 /// The names that are used, with their germs; the expansions of fields are computed here. `product`: the rule is a product of
 /// rules of the germs.
 pub(super) fn used(
@@ -91,104 +81,30 @@ pub(super) fn used(
                 names.push(RandomName::Variable { name: name.clone(), germ: germs.len() });
                 germs.push(Germ { label: name, variable });
             }
-            Declared::Field { covariance, truncation, support, uniform, place } => {
-                let refused = |e: StochasticError| {
-                    ReadError::new(DataErrorKind::Value, place, format!("the field {name}: {e}"), "change the field")
-                };
-                let expansion = match (cells_of(problem, &name)?, truncation) {
-                    (Some(cells), Some(truncation)) => {
-                        CellKarhunenLoeve::new(&covariance, cells, truncation).map(Into::into)
-                    }
-                    (Some(cells), None) => most_modes(&covariance, &cells).map(Into::into),
-                    (None, Some(truncation)) => support.expansion(&covariance, truncation),
-                    (None, None) => {
-                        let message =
-                            format!("the field {name} has modes = {AUTO:?}, and does not make the moduli of cells");
-                        let help = "give a number of modes, or captured";
-                        return Err(ReadError::new(DataErrorKind::Value, place, message, help));
-                    }
-                };
-                let expansion: Expansion = expansion.map_err(refused)?;
-                let bound = 3.0f64.sqrt();
-                let law = if uniform { Variable::uniform(-bound, bound) } else { Variable::normal(0.0, 1.0) };
-                let law = law.map_err(refused)?;
-                let first = germs.len();
-                let (modes, most) = (expansion.len(), if product { RULE } else { DRAWN });
+            Declared::Field(declared) => {
+                let (field, law) = declared.expanded(name, problem)?;
+                let (first, modes) = (germs.len(), field.expansion.len());
+                let most = if product { RULE } else { DRAWN };
                 if first + modes > most {
-                    let [a, b] = covariance.correlation;
-                    let parts = expansion.sides().into_iter().zip([a, b]).map(|(side, length)| side / length);
-                    let longest = parts.fold(0.0, f64::max);
-                    let message = format!(
-                        "the field {name} has {modes} modes, more than the {most} germs that this stochastic.method can take; its \
-                         support is {longest} correlation lengths long"
-                    );
-                    let help = format!(
-                        "take a longer correlation, modes = 6, or a smaller captured{}",
-                        if most < DRAWN {
-                            format!("; method = \"monte-carlo\" takes up to {DRAWN}")
-                        } else {
-                            String::new()
-                        }
-                    );
-                    return Err(ReadError::new(DataErrorKind::Value, place, message, help));
+                    return Err(declared.too_many(&field, most, DRAWN));
                 }
-                for m in 0..expansion.len() {
-                    germs.push(Germ { label: format!("{name} {}", m + 1), variable: law.clone() });
-                }
-                let field = Arc::new(RandomField { name, expansion, support });
-                names.push(RandomName::Field { field, first });
+                let label = |m: usize| match field.expansion.is_drawn() {
+                    true => field.name.clone(),
+                    false => format!("{} {}", field.name, m + 1),
+                };
+                germs.extend((0..modes).map(|m| Germ { label: label(m), variable: law.clone() }));
+                names.push(RandomName::Field { field: Arc::new(field), first });
             }
         }
     }
     Ok((names, germs))
 }
 
-/// The modes of a field of cells, as many as there are up to [`MANY_MODES`].
-///
-/// # Errors
-/// Those of [`CellKarhunenLoeve::new`].
-fn most_modes(covariance: &Covariance, cells: &FieldCells) -> Result<CellKarhunenLoeve, StochasticError> {
-    let mut wanted = MANY_MODES;
-    loop {
-        match CellKarhunenLoeve::new(covariance, cells.clone(), Truncation::Modes(wanted)) {
-            Err(StochasticError::Modes { available, .. }) if (1..wanted).contains(&available) => wanted = available,
-            Err(StochasticError::Unconverged { .. }) if wanted > 1 => wanted /= 2,
-            found => return found,
-        }
-    }
-}
-
-/// The modulus cells of which a field is the means: where it makes their moduli. `None` for other fields, and for cells that do
-/// not fit the grid, which is refused later.
-///
-/// # Errors
-/// A field that is elsewhere too, where it would have other values.
-fn cells_of(problem: &Problem, name: &str) -> Result<Option<FieldCells>, ReadError> {
-    let body = &problem.bodies[0];
-    let Some(Cells { size, .. }) = body.cells() else { return Ok(None) };
-    if !body.cell_expressions().any(|e| e.uses(name)) {
-        return Ok(None);
-    }
-    let force = body.force.iter().flatten().map(|e| ("body force".to_owned(), e));
-    let of_side = |(index, side): (usize, &Side)| {
-        let data = problem.side_data(index).into_iter();
-        let named = data.map(|(what, e)| (format!("{what} of side {:?}", side.name), e));
-        named.collect::<Vec<_>>()
-    };
-    let sides = problem.sides.iter().enumerate().flat_map(of_side);
-    if let Some((what, expression)) = force.chain(sides).find(|(_, e)| e.uses(name)) {
-        let message = format!("the {what} uses the field {name}, whose values are means over the modulus cells");
-        let help = "declare a second field for it";
-        return Err(ReadError::new(DataErrorKind::Conflict, expression.place, message, help));
-    }
-    Ok(body.grid.as_ref().and_then(|grid| field_cells(&problem.outline, grid, *size)))
-}
-
 /// Refuses a field of one side in the data of another, where it has no value.
 pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -> Result<(), ReadError> {
     for expression in problem.bodies[0].cell_expressions() {
         for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {
-            if let Declared::Field { support: Support::Side { name: on, .. }, .. } = declared {
+            if let Some(on) = declared.side() {
                 let message = format!("the cells use the field {name} of side {on:?}");
                 let help = "declare it with on = \"body\"";
                 return Err(ReadError::new(DataErrorKind::Conflict, expression.place, message, help));
@@ -200,9 +116,7 @@ pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -
     for (side, what, expression) in of_sides.chain(problem.jumps_of_ties()) {
         let side = &problem.sides[side].name;
         for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {
-            if let Declared::Field { support: Support::Side { name: on, .. }, .. } = declared
-                && on != side
-            {
+            if let Some(on) = declared.side().filter(|&on| on != side) {
                 let message = format!("the {what} of side {side:?} uses the field {name} of side {on:?}");
                 let help = format!("declare a field on {side:?}, or on = \"body\"");
                 return Err(ReadError::new(DataErrorKind::Conflict, expression.place, message, help));
@@ -319,58 +233,4 @@ fn variable(field: &Field<'_>) -> Result<Variable, ReadError> {
         return Err(high_field.problem(message, "make low smaller than high"));
     }
     Variable::new(distribution, low, high).map_err(|e| field.problem(e.to_string(), "change the law of the variable"))
-}
-
-/// A random field.
-fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, ReadError> {
-    let fields = Fields::new(field, &keys::FIELD)?;
-    let kernel = fields.require("covariance", "covariance = \"exponential\"")?.choice(&KERNELS)?;
-    let correlation = fields.require("correlation", "correlation = a length")?;
-    let length = |field: &Field<'_>| field.number_in(&keys::LENGTHS);
-    let correlation = match correlation.item.value {
-        Value::Array(_) => {
-            let [x, y] = correlation.components()?;
-            [length(&x)?, length(&y)?]
-        }
-        _ => [length(&correlation)?; 2],
-    };
-    let on = fields.require("on", "on = the name of a side, or \"body\"")?;
-    let names = polygon.side_names().iter().map(String::as_str).chain(["body"]);
-    let word = on.text()?;
-    if !names.clone().any(|name| name == word) {
-        let message = format!("the body has no side {word:?}");
-        return Err(ReadError::new(Kind::UnknownKey, on.item.place, message, suggestion(word, names)));
-    }
-    let truncation = match (fields.get("captured"), fields.get("modes")) {
-        (Some(_), Some(modes)) => {
-            let message = format!("{} stands beside captured", modes.name);
-            return Err(ReadError::new(
-                DataErrorKind::Conflict,
-                modes.item.place,
-                message,
-                "keep captured or modes, not both",
-            ));
-        }
-        (None, Some(modes)) if matches!(&modes.item.value, Value::Text(text) if text == AUTO) => None,
-        (None, Some(modes)) => Some(Truncation::Modes(modes.whole(keys::MODES)?)),
-        (Some(captured), None) => Some(Truncation::Captured(captured.number_in(&keys::FRACTION)?)),
-        (None, None) => Some(Truncation::Captured(CAPTURED)),
-    };
-    let uniform = match fields.get("variables") {
-        Some(variables) => variables.choice(&VARIABLES)?,
-        None => true,
-    };
-    let support = if word == "body" {
-        Support::body(polygon)
-    } else {
-        Support::side(polygon, word).map_err(|why| {
-            let help = "name its connected parts as sides of their own and give each a field, or take on = \"body\"";
-            on.problem(
-                format!("{} = {word:?}: the side {why}; a field needs one chain of edges with two ends", on.name),
-                help,
-            )
-        })?
-    };
-    let covariance = Covariance { kernel, correlation };
-    Ok(Declared::Field { covariance, truncation, support, uniform, place: field.item.place })
 }

@@ -1,6 +1,6 @@
 //! `[stochastic]`: how a problem with random input is solved, and what is chosen where the scene leaves it open.
 
-use steklov_problem::{DataErrorKind, Method, Model, Problem, Sampling, Stochastic};
+use steklov_problem::{DataErrorKind, Method, Model, Problem, Random, Sampling, Stochastic};
 
 use super::error::ReadError;
 use super::fields::{Field, Fields};
@@ -102,10 +102,11 @@ impl<'a> Asked<'a> {
     }
 
     /// The settings for this number of germs. Where no method is asked for: stochastic elements that are refined for few germs
-    /// by boundary elements, differences between grids for very many on one without contact, else a sparse grid that fresh
-    /// outcomes correct.
-    pub(super) fn chosen(self, problem: &Problem, method: &Method, germs: usize) -> Stochastic {
+    /// by boundary elements, differences between grids for very many, or for fields that are drawn as a whole, on one without
+    /// contact, else a sparse grid that fresh outcomes correct.
+    pub(super) fn chosen(self, problem: &Problem, method: &Method, random: &Random) -> Stochastic {
         let Self { mut settings, given, method: asked } = self;
+        let (germs, drawn) = (random.germs.len(), !random.drawn_germs().is_empty());
         let open = |key: &str| given.as_ref().is_none_or(|given| given.get(key).is_none());
         let grid = problem.bodies[0].grid.as_ref();
         let halved = |cells: [usize; 2]| cells.iter().all(|n| n.is_multiple_of(4));
@@ -115,7 +116,7 @@ impl<'a> Asked<'a> {
         });
         settings.method = asked.unwrap_or(match grid {
             None if germs <= FEW => Sampling::Galerkin,
-            Some(_) if germs > MANY && family => Sampling::Multilevel,
+            Some(_) if (germs > MANY || drawn) && family => Sampling::Multilevel,
             _ => Sampling::Corrected,
         });
         if asked.is_none() && settings.method == Sampling::Galerkin {

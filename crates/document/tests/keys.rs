@@ -86,7 +86,7 @@ const MORE: [&str; 8] = [
     [sides.right]
     pressure = "f + g"
     [random]
-    f = { covariance = "matern32", correlation = 2, on = "right", modes = 2, variables = "normal" }
+    f = { covariance = "matern", smoothness = 1.5, correlation = 2, on = "right", modes = 2, variables = "normal" }
     g = { covariance = "exponential", correlation = 2, on = "right" }
     [stochastic]
     degree = 2

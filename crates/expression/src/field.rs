@@ -140,6 +140,9 @@ impl RandomField {
     /// Encloses the values for germs in a box over a box of places.
     pub fn range(&self, germs: &[[f64; 2]], x: Enclosure, y: Enclosure) -> Enclosure {
         let middle = |range: Enclosure| range.value.low + range.value.width() / 2.0;
+        if self.expansion.is_drawn() {
+            return self.drawn_range(germs[0]);
+        }
         let modes = self.expansion.modes(self.support.coordinates([middle(x), middle(y)]));
         // a curve that turns by no more than 180° in the box is at most π/2 times as long as its chord
         let longer = if self.support.is_curved() { std::f64::consts::FRAC_PI_2 } else { 1.0 };
@@ -150,6 +153,14 @@ impl RandomField {
             off += mode.abs() * 0.5 * (b - a) + times(*steepness, reach * a.abs().max(b.abs()));
         }
         Enclosure::fixed(Interval::new(value - off, value + off))
+    }
+}
+
+impl RandomField {
+    /// The values of a field that is drawn for germs of an interval: 0 for the germ 0, else any.
+    fn drawn_range(&self, [a, b]: [f64; 2]) -> Enclosure {
+        let off = if a == 0.0 && b == 0.0 { 0.0 } else { f64::INFINITY };
+        Enclosure::fixed(Interval::new(-off, off))
     }
 }
 
@@ -169,7 +180,7 @@ pub struct FieldValue {
 impl FieldValue {
     /// The outcome for the germs of the field's modes.
     pub fn new(field: Arc<RandomField>, germs: Vec<f64>) -> Self {
-        let in_cells = field.expansion.on_cells().map_or(Vec::new(), |kl| kl.values(&germs));
+        let in_cells = field.expansion.cell_values(&germs).unwrap_or_default();
         Self { outcome: Some((field, germs)), in_cells }
     }
 
@@ -177,8 +188,8 @@ impl FieldValue {
     pub fn value(&self, point: [f64; 2]) -> f64 {
         let Some((field, germs)) = &self.outcome else { return 0.0 };
         let place = field.support.coordinates(point);
-        match field.expansion.on_cells() {
-            Some(kl) => self.in_cells[kl.cells().containing(place)],
+        match field.expansion.cells() {
+            Some(cells) => self.in_cells[cells.containing(place)],
             None => field.expansion.value(place, germs),
         }
     }

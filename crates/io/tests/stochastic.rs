@@ -22,7 +22,7 @@ fn variables() -> Vec<Variable> {
 
 #[test]
 fn expansions_meshes_points_and_moments() {
-    for kernel in [Kernel::Exponential, Kernel::Gaussian, Kernel::Matern32] {
+    for kernel in [Kernel::Exponential, Kernel::Gaussian, Kernel::MATERN_32] {
         let covariance = Covariance { kernel, correlation: [0.4; 2] };
         let kl = KarhunenLoeve::new(&covariance, 2.0, Truncation::Modes(5)).unwrap();
         let back = check_round_trip(&kl);

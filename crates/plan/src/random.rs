@@ -110,12 +110,17 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
     }
     for (field, _) in random.fields() {
         let (modes, captured) = (field.expansion.len(), field.expansion.captured());
-        let choice = format!("{} by {modes} modes", field.name);
-        modelled.push(decision(
-            "random field",
-            choice,
-            format!("they carry {:.2} % of its variance{}", 100.0 * captured, coarse_cells(&field.expansion)),
-        ));
+        let (choice, why) = match field.expansion.is_drawn() {
+            true => (
+                format!("{} without truncation", field.name),
+                format!("drawn as a whole, with {:.2} % of its variance", 100.0 * captured),
+            ),
+            false => (
+                format!("{} by {modes} modes", field.name),
+                format!("they carry {:.2} % of its variance", 100.0 * captured),
+            ),
+        };
+        modelled.push(decision("random field", choice, why + &coarse_cells(&field.expansion)));
     }
     for (germ, moved) in random.germs.iter().zip(sensitivities(scene, random)) {
         let lost = germ.variable.lost();

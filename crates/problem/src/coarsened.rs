@@ -63,6 +63,24 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// The scene with fields that are drawn as a whole on tori of their own cells: the same law, other outcomes of the germs. None
+    /// without such a field.
+    pub fn redrawn(&self) -> Option<Self> {
+        let mut redrawn = self.clone();
+        let mut some = false;
+        for name in redrawn.random.iter_mut().flat_map(|random| &mut random.names) {
+            if let RandomName::Field { field, .. } = name
+                && let Some(expansion) = field.expansion.redrawn()
+            {
+                *field = Arc::new(RandomField { expansion, ..(**field).clone() });
+                some = true;
+            }
+        }
+        some.then_some(redrawn)
+    }
+}
+
 /// Half of both numbers, if they are even.
 fn halved(counts: [usize; 2]) -> Option<[usize; 2]> {
     counts.iter().all(|n| n.is_multiple_of(2)).then(|| counts.map(|n| n / 2))
@@ -70,11 +88,10 @@ fn halved(counts: [usize; 2]) -> Option<[usize; 2]> {
 
 /// A field of cells as the means over cells twice as large; other fields stay. None if the body does not consist of them.
 fn coarsen_field(name: &mut RandomName) -> Option<()> {
-    if let RandomName::Field { field, .. } = name
-        && let Some(kl) = field.expansion.on_cells()
-    {
-        let RandomField { name, support, .. } = (**field).clone();
-        *field = Arc::new(RandomField { name, support, expansion: kl.coarsened()?.into() });
+    if let RandomName::Field { field, .. } = name {
+        let RandomField { name, support, expansion } = &**field;
+        let (name, support) = (name.clone(), support.clone());
+        *field = Arc::new(RandomField { name, support, expansion: expansion.coarsened()? });
     }
     Some(())
 }

@@ -181,6 +181,11 @@ impl Random {
         })
     }
 
+    /// The germs of fields that are drawn as a whole: answers are no functions of them that polynomials could follow.
+    pub fn drawn_germs(&self) -> Vec<usize> {
+        self.fields().filter(|(field, _)| field.expansion.is_drawn()).map(|(_, first)| first).collect()
+    }
+
     /// The germs of the nominal outcome: means of the variables, fields 0.
     pub fn nominal(&self) -> Vec<f64> {
         self.germs

@@ -4,7 +4,7 @@ use steklov_expression::Expression;
 
 use super::check::STIFFNESS;
 use super::medium::DISPLACEMENT_JUMP;
-use super::{CellModuli, DataError, DataErrorKind as Kind, Random, RandomName, Scene};
+use super::{CellModuli, DataError, DataErrorKind as Kind, Random, RandomName, Sampling, Scene};
 
 /// The data of an outcome that are made anew where they use random names.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -96,6 +96,17 @@ impl Scene {
                 let message = format!("{} has the germs {germs:?}, and random.germs has {count}", name.name());
                 return refuse(message, "give each variable one germ, and each field one for every mode");
             }
+        }
+        let of_samples = [Sampling::MonteCarlo, Sampling::Multilevel, Sampling::Corrected];
+        if let Some(&germ) = random.drawn_germs().first()
+            && !of_samples.contains(&random.stochastic.method)
+        {
+            let label = &random.germs[germ].label;
+            let message = format!(
+                "the field {label} is drawn without truncation, and this stochastic.method has a rule of points"
+            );
+            let help = "give it a number of modes, or take method = \"monte-carlo\", \"multilevel\" or \"corrected\"";
+            return Err(DataError::at(Kind::Conflict, &[vec!["stochastic", "method"]], message, help));
         }
         let bodies = self.problem.bodies.len();
         if let Some(body) = random.constants.young.keys().find(|&&body| body >= bodies) {

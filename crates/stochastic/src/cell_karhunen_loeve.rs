@@ -1,17 +1,18 @@
 //! Karhunen-Loève expansions of the means of a field over the cells of a grid.
 
-use crate::cell_covariance::{CellCovariance, interval_means};
-use crate::covariance::check_length;
+use crate::cell_covariance::{CellCovariance, unresolved};
 use crate::karhunen_loeve::{LIMIT, ROUNDOFF, check, kept};
 use crate::lanczos::largest_eigenpairs;
 use crate::spectrum::{Spectrum, folded_spectrum};
-use crate::{Covariance, FieldCells, Kernel, RectangleKarhunenLoeve, StochasticError, Truncation};
+use crate::{Covariance, FieldCells, RectangleKarhunenLoeve, StochasticError, Truncation};
 
 /// Most cells of a body whose eigenpairs a dense solver finds.
 const DENSE: usize = 300;
 /// Most modes of a body that is no rectangle, and how many are looked for first where a share is wanted.
 const MODES: usize = 400;
 const FIRST: usize = 25;
+/// Most cells whose values are independent.
+const INDEPENDENT: usize = 2048;
 
 /// The field g_i(ξ) = Σ_m √λ_m b_m,i ξ_m: the mean of a field of variance 1 over cell i of a grid, for germs ξ_m of mean 0 and
 /// variance 1 that are not correlated.
@@ -19,13 +20,13 @@ const FIRST: usize = 25;
 /// Means fit together: that over a larger cell is the mean of those over its parts. What cells do not resolve of the field is
 /// known, [`unresolved`](Self::unresolved): the variance of a mean is smaller than that of a point.
 ///
-/// *Rectangles*: λ_m and b_m are those of [`RectangleKarhunenLoeve`], b_m,i the mean of b_m over the cell. *Other bodies*: λ_m
-/// and b_m are the eigenpairs of C_ij |c|, C_ij the covariance of the means over cells i and j and |c| their area;
-/// |c| Σ_i b_m,i² = 1. Signs: the first entry of more than half the largest one is positive.
+/// *Covariances that are products, on rectangles*: λ_m and b_m are those of [`RectangleKarhunenLoeve`], b_m,i the mean of b_m
+/// over the cell. *Others*: λ_m and b_m are the eigenpairs of C_ij |c|, C_ij the covariance of the means over cells i and j and
+/// |c| their area; |c| Σ_i b_m,i² = 1. Signs: the first entry of more than half the largest one is positive.
 ///
 /// *Use when* a modulus is random in each cell. *Fails when* cells are larger than a sixth of the correlation length: a tenth
-/// of the variance is not resolved then; the Matérn covariance is refused on bodies that are no rectangles. *Cost*: rectangles
-/// that of [`RectangleKarhunenLoeve`]; other bodies of N cells N (2 M)² 8 operations for M modes, 16 M N bytes.
+/// of the variance is not resolved then. *Cost*: products on rectangles that of [`RectangleKarhunenLoeve`]; others of N cells
+/// N (2 M)² 8 operations for M modes, 16 M N bytes.
 ///
 /// Source: Ghanem and Spanos (1991), section 2.3; Vanmarcke (1983), section 5.1, for means.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,31 +36,27 @@ pub struct CellKarhunenLoeve {
     eigenvalues: Vec<f64>,
     /// b_m in all cells of the bounding box, 0 outside of the body (1/length).
     modes: Vec<Vec<f64>>,
-    covariance: Covariance,
+    /// None: values of different cells are independent.
+    covariance: Option<Covariance>,
 }
 
 impl CellKarhunenLoeve {
     /// The expansion of a covariance on cells. A captured share is that of the variance of the means, and of the field itself
-    /// on rectangles.
+    /// for products on rectangles.
     ///
     /// # Errors
-    /// Those of [`RectangleKarhunenLoeve::new`] on rectangles; on other bodies [`StochasticError::NoProduct`] for the Matérn
-    /// covariance, [`StochasticError::Modes`] and [`StochasticError::Captured`] where there are not enough modes.
+    /// Those of [`RectangleKarhunenLoeve::new`] for products on rectangles; else [`StochasticError::Modes`] and
+    /// [`StochasticError::Captured`] where there are not enough modes.
     /// [`StochasticError::Inconsistent`] for a mask of another size than the grid.
     pub fn new(covariance: &Covariance, cells: FieldCells, truncation: Truncation) -> Result<Self, StochasticError> {
         cells.check()?;
-        for correlation in covariance.correlation {
-            check_length("the correlation length", correlation)?;
-        }
-        if cells.body().len() == cells.cells[0] * cells.cells[1] {
+        covariance.check()?;
+        if covariance.kernel.is_product() && cells.body().len() == cells.cells[0] * cells.cells[1] {
             let sides = [0, 1].map(|d| cells.cells[d] as f64 * cells.size[d]);
             let expansion = RectangleKarhunenLoeve::new(covariance, sides, truncation)?;
             let eigenvalues = (0..expansion.len()).map(|m| expansion.eigenvalue(m)).collect();
             let modes = expansion.cell_means(cells.cells);
-            return Ok(Self { cells, eigenvalues, modes, covariance: *covariance });
-        }
-        if covariance.kernel == Kernel::Matern32 {
-            return Err(StochasticError::NoProduct { kernel: covariance.kernel });
+            return Ok(Self { cells, eigenvalues, modes, covariance: Some(*covariance) });
         }
         Self::on_mask(covariance, cells, truncation)
     }
@@ -90,12 +87,32 @@ impl CellKarhunenLoeve {
                     let body = cells.body();
                     let modes = vectors[..count].iter().map(|v| over_box(&cells, &body, v)).collect();
                     let eigenvalues = values[..count].to_vec();
-                    return Ok(Self { cells, eigenvalues, modes, covariance: *covariance });
+                    return Ok(Self { cells, eigenvalues, modes, covariance: Some(*covariance) });
                 }
                 Err(error) if all || wanted == most || available < wanted => return Err(error),
                 Err(_) => wanted = (2 * wanted).min(most),
             }
         }
+    }
+
+    /// Values of mean 0 and variance 1 that are independent from cell to cell, one germ for each cell of the body.
+    ///
+    /// # Errors
+    /// [`StochasticError::Inconsistent`] for a mask of another size than the grid, [`StochasticError::Modes`] for more than
+    /// 2048 cells: N² numbers are kept.
+    pub fn independent(cells: FieldCells) -> Result<Self, StochasticError> {
+        cells.check()?;
+        let body = cells.body();
+        if body.len() > INDEPENDENT {
+            return Err(StochasticError::Modes { wanted: body.len(), available: INDEPENDENT });
+        }
+        let unit = |&own: &usize| {
+            let mut mode = vec![0.0; cells.cells[0] * cells.cells[1]];
+            mode[own] = cells.area().sqrt().recip();
+            mode
+        };
+        let (eigenvalues, modes) = (vec![cells.area(); body.len()], body.iter().map(unit).collect());
+        Ok(Self { cells, eigenvalues, modes, covariance: None })
     }
 
     /// The cells.
@@ -133,35 +150,20 @@ impl CellKarhunenLoeve {
         self.eigenvalues.iter().zip(&self.modes).map(|(value, mode)| value * square(mode)).sum::<f64>().min(1.0)
     }
 
-    /// Share of the field's variance that means over the cells do not have, however many modes there are.
+    /// Share of the field's variance that means over the cells do not have, however many modes there are; 0 of independent values.
     pub fn unresolved(&self) -> f64 {
-        unresolved(&self.covariance, self.cells.size)
+        self.covariance.as_ref().map_or(0.0, |covariance| unresolved(covariance, self.cells.size))
     }
 
     /// The means over cells twice as large along both axes, for the same germs. None where cells are odd in number, or where a
     /// larger one lies in the body in part.
     pub fn coarsened(&self) -> Option<Self> {
-        let FieldCells { cells: [nx, ny], size, inside } = &self.cells;
-        if !(nx.is_multiple_of(2) && ny.is_multiple_of(2)) {
-            return None;
-        }
-        let parts = |c: usize| {
-            let (ix, iy) = (c / (ny / 2), c % (ny / 2));
-            [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[a, b]| (2 * ix + a) * ny + 2 * iy + b)
+        let cells = self.cells.coarsened()?;
+        let all = 0..cells.cells[0] * cells.cells[1];
+        let mean = |mode: &Vec<f64>| {
+            all.clone().map(|c| self.cells.parts(c).iter().map(|&i| mode[i]).sum::<f64>() / 4.0).collect()
         };
-        let all = 0..nx * ny / 4;
-        let whole = |c: usize| -> Option<bool> {
-            let own = parts(c).map(|i| inside.as_ref().is_none_or(|inside| inside[i]));
-            own.iter().all(|&i| i == own[0]).then_some(own[0])
-        };
-        let inside = Some(all.clone().map(whole).collect::<Option<Vec<bool>>>()?);
-        let mean =
-            |mode: &Vec<f64>| all.clone().map(|c| parts(c).iter().map(|&i| mode[i]).sum::<f64>() / 4.0).collect();
-        Some(Self {
-            modes: self.modes.iter().map(mean).collect(),
-            cells: FieldCells { cells: [nx / 2, ny / 2], size: size.map(|h| 2.0 * h), inside },
-            ..self.clone()
-        })
+        Some(Self { modes: self.modes.iter().map(mean).collect(), cells, ..self.clone() })
     }
 
     /// √λ_m b_m of a cell, for all modes.
@@ -187,34 +189,6 @@ impl CellKarhunenLoeve {
     }
 }
 
-/// 1 less the variance of the mean over a cell.
-fn unresolved(covariance: &Covariance, size: [f64; 2]) -> f64 {
-    match covariance.kernel {
-        Kernel::Exponential | Kernel::Gaussian => {
-            let means = |d: usize| interval_means(covariance.kernel, covariance.correlation[d], size[d], 1)[0];
-            1.0 - means(0) * means(1)
-        }
-        Kernel::Matern32 => 1.0 - matern_mean(covariance, size),
-    }
-}
-
-/// ∫∫ over both cells of a Matérn covariance, of a cell with itself: 4 ∫_0^1 ∫_0^1 (1-s)(1-t) C(h_x s, h_y t), on strips that are
-/// finer towards 0.
-fn matern_mean(covariance: &Covariance, size: [f64; 2]) -> f64 {
-    let rule = steklov_quadrature::gauss_legendre(12).mapped(0.0, 1.0);
-    let ends: Vec<f64> = std::iter::once(0.0).chain((0..=24).rev().map(|k| 0.5f64.powi(k))).collect();
-    let mut nodes = Vec::new();
-    for pair in ends.windows(2) {
-        let h = pair[1] - pair[0];
-        nodes.extend(rule.points.iter().zip(&rule.weights).map(|(t, w)| (pair[0] + h * t, h * w)));
-    }
-    let inner = |s: f64| -> f64 {
-        let at = |(t, w): &(f64, f64)| w * (1.0 - t) * covariance.on_rectangle(s * size[0], t * size[1]);
-        nodes.iter().map(at).sum()
-    };
-    4.0 * nodes.iter().map(|(s, w)| w * (1.0 - s) * inner(*s)).sum::<f64>()
-}
-
 /// All eigenpairs, of length 1.
 fn dense(operator: &CellCovariance<'_>) -> Result<(Vec<f64>, Vec<Vec<f64>>), StochasticError> {
     let images: Vec<_> = (0..operator.len()).map(|i| vec![(i, 1.0)]).collect();
@@ -238,8 +212,9 @@ mod tests {
     use steklov_algebra::dot;
 
     use super::*;
+    use crate::Kernel;
 
-    const KERNELS: [Kernel; 2] = [Kernel::Exponential, Kernel::Gaussian];
+    const KERNELS: [Kernel; 3] = [Kernel::Exponential, Kernel::Gaussian, Kernel::Matern { smoothness: 1.0 }];
 
     /// The unit square without its upper right quarter, of n × n cells.
     fn corner(n: usize) -> FieldCells {
@@ -254,7 +229,7 @@ mod tests {
     /// On rectangles the same as the expansion on larger cells; larger cells that lie in the body in part have no means.
     #[test]
     fn coarsened_fields_are_those_of_larger_cells() {
-        for kernel in [Kernel::Exponential, Kernel::Gaussian, Kernel::Matern32] {
+        for kernel in [Kernel::Exponential, Kernel::Gaussian] {
             let own = Covariance { kernel, correlation: [0.7, 0.3] };
             let cells =
                 |n: usize| FieldCells { cells: [3 * n, 2 * n], size: [0.25 / n as f64, 0.5 / n as f64], inside: None };

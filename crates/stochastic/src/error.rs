@@ -83,14 +83,14 @@ pub enum StochasticError {
         /// The shortest correlation length that is resolved there.
         shortest: f64,
     },
-    /// A covariance that is no product, on a body of cells that is no rectangle.
+    /// A covariance that no torus within the limits has.
     #[error(
-        "the covariance {} is no product of functions of x and y, which cells of a body that is no rectangle need: take exponential or gaussian",
-        format!("{kernel:?}").to_lowercase()
+        "on a torus {times} times as long as the grid the covariance is not positive: take a number of modes instead of all, \
+         which a field so smooth does not need, or a shorter correlation length"
     )]
-    NoProduct {
-        /// Its family.
-        kernel: crate::Kernel,
+    Embedding {
+        /// Length of the longest torus over that of the grid.
+        times: usize,
     },
     /// The eigenvalues on a rectangle still change under refinement.
     #[error(

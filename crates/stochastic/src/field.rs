@@ -2,7 +2,10 @@
 
 use std::sync::OnceLock;
 
-use crate::{CellKarhunenLoeve, Covariance, KarhunenLoeve, RectangleKarhunenLoeve, StochasticError, Truncation};
+use crate::{
+    CellKarhunenLoeve, CellSamples, Covariance, FieldCells, KarhunenLoeve, RectangleKarhunenLoeve, StochasticError,
+    Truncation,
+};
 
 /// Samples a half wave where the steepness is looked for.
 const SAMPLES: usize = 12;
@@ -12,6 +15,8 @@ const SAMPLES: usize = 12;
 ///
 /// Points are [x, y] in the rectangle, or [s, anything] on an interval with the arc length s. A field of cells has one value
 /// in each, the mean over it, and 0 in cells that do not belong to the body; x, y are measured from the lower left of the grid.
+///
+/// A field of cells that is *drawn* as a whole has no expansion, but one germ that any method can draw: see [`CellSamples`].
 ///
 /// Source: Issaoui (2014), equation (4.6).
 #[derive(Debug, Clone)]
@@ -28,6 +33,13 @@ enum Expansion {
     Interval(KarhunenLoeve),
     Rectangle(RectangleKarhunenLoeve),
     Cells(CellKarhunenLoeve),
+    Drawn(CellSamples),
+}
+
+impl From<CellSamples> for Field {
+    fn from(samples: CellSamples) -> Self {
+        Self { expansion: Expansion::Drawn(samples), roots: Vec::new(), steepness: OnceLock::new() }
+    }
 }
 
 impl From<CellKarhunenLoeve> for Field {
@@ -74,15 +86,20 @@ impl Field {
 
     /// Number of germs.
     pub fn len(&self) -> usize {
-        self.roots.len()
+        if self.is_drawn() { 1 } else { self.roots.len() }
+    }
+
+    /// Whether it is drawn as a whole: its germ is no coordinate in which answers are smooth.
+    pub fn is_drawn(&self) -> bool {
+        matches!(self.expansion, Expansion::Drawn(_))
     }
 
     /// Whether there are no germs; never true.
     pub fn is_empty(&self) -> bool {
-        self.roots.is_empty()
+        self.len() == 0
     }
 
-    /// Eigenvalues of the covariance, falling.
+    /// Eigenvalues of the covariance, falling; none of a field that is drawn.
     pub fn eigenvalues(&self) -> Vec<f64> {
         self.roots.iter().map(|r| r * r).collect()
     }
@@ -92,7 +109,11 @@ impl Field {
         match &self.expansion {
             Expansion::Interval(kl) => vec![kl.length()],
             Expansion::Rectangle(kl) => kl.sides().to_vec(),
-            Expansion::Cells(kl) => [0, 1].map(|d| kl.cells().size[d] * kl.cells().cells[d] as f64).to_vec(),
+            Expansion::Cells(_) | Expansion::Drawn(_) => {
+                self.cells().map_or(Vec::new(), |FieldCells { cells, size, .. }| {
+                    [0, 1].map(|d| size[d] * cells[d] as f64).to_vec()
+                })
+            }
         }
     }
 
@@ -102,23 +123,59 @@ impl Field {
             Expansion::Interval(kl) => kl.captured(),
             Expansion::Rectangle(kl) => kl.captured(),
             Expansion::Cells(kl) => kl.captured(),
+            Expansion::Drawn(samples) => 1.0 - samples.unresolved(),
         }
     }
 
     /// Share of the variance that the values cannot have, however many modes there are: of means over cells, else 0.
     pub fn unresolved(&self) -> f64 {
-        self.on_cells().map_or(0.0, CellKarhunenLoeve::unresolved)
+        match &self.expansion {
+            Expansion::Cells(kl) => kl.unresolved(),
+            Expansion::Drawn(samples) => samples.unresolved(),
+            Expansion::Interval(_) | Expansion::Rectangle(_) => 0.0,
+        }
     }
 
-    /// The expansion of a field that has one value in each cell of a grid.
-    pub fn on_cells(&self) -> Option<&CellKarhunenLoeve> {
+    /// The cells of a field that has one value in each.
+    pub fn cells(&self) -> Option<&FieldCells> {
         match &self.expansion {
-            Expansion::Cells(kl) => Some(kl),
+            Expansion::Cells(kl) => Some(kl.cells()),
+            Expansion::Drawn(samples) => Some(samples.cells()),
+            Expansion::Interval(_) | Expansion::Rectangle(_) => None,
+        }
+    }
+
+    /// The values in all cells of a field that has one in each, for its germs.
+    ///
+    /// # Panics
+    /// If there is not one germ a mode.
+    pub fn cell_values(&self, germs: &[f64]) -> Option<Vec<f64>> {
+        match &self.expansion {
+            Expansion::Cells(kl) => Some(kl.values(germs)),
+            Expansion::Drawn(samples) => Some(samples.values(germs[0])),
+            Expansion::Interval(_) | Expansion::Rectangle(_) => None,
+        }
+    }
+
+    /// The field with the means over cells twice as large, for the same germs; a field without cells stays. None where cells do
+    /// not fit together.
+    pub fn coarsened(&self) -> Option<Self> {
+        match &self.expansion {
+            Expansion::Cells(kl) => Some(kl.coarsened()?.into()),
+            Expansion::Drawn(samples) => Some(samples.coarsened()?.into()),
+            Expansion::Interval(_) | Expansion::Rectangle(_) => Some(self.clone()),
+        }
+    }
+
+    /// The field with other outcomes of its germs, but the same law, where they cost less: see [`CellSamples::redrawn`].
+    pub fn redrawn(&self) -> Option<Self> {
+        match &self.expansion {
+            Expansion::Drawn(samples) => Some(samples.redrawn().into()),
             _ => None,
         }
     }
 
-    /// √λ_m b_m(x) of all modes; x is moved into the domain.
+    /// √λ_m b_m(x) of all modes; x is moved into the domain. Of a field that is drawn its deviation.
     pub fn modes(&self, x: [f64; 2]) -> Vec<f64> {
         let mut out = vec![0.0; self.len()];
         match &self.expansion {
@@ -128,6 +185,7 @@ impl Field {
                 let cell = kl.cells().containing(x);
                 out.iter_mut().enumerate().for_each(|(m, b)| *b = kl.mode(m)[cell]);
             }
+            Expansion::Drawn(samples) => return vec![(1.0 - samples.unresolved()).sqrt()],
         }
         out.iter_mut().zip(&self.roots).for_each(|(b, root)| *b *= root);
         out
@@ -139,6 +197,9 @@ impl Field {
     /// If there is not one germ a mode.
     pub fn value(&self, x: [f64; 2], germs: &[f64]) -> f64 {
         assert_eq!(germs.len(), self.len(), "one germ a mode");
+        if let Expansion::Drawn(samples) = &self.expansion {
+            return samples.values(germs[0])[samples.cells().containing(x)];
+        }
         self.modes(x).iter().zip(germs).map(|(b, xi)| b * xi).sum()
     }
 
@@ -150,7 +211,7 @@ impl Field {
             let (sides, waves) = match &self.expansion {
                 Expansion::Interval(kl) => ([kl.length(), 0.0], [kl.len(), 0]),
                 Expansion::Rectangle(kl) => (kl.sides(), kl.waves()),
-                Expansion::Cells(_) => return vec![f64::INFINITY; self.len()],
+                Expansion::Cells(_) | Expansion::Drawn(_) => return vec![f64::INFINITY; self.len()],
             };
             let samples = waves.map(|w| if w == 0 { 1 } else { SAMPLES * (w + 4) });
             let step = [0, 1].map(|d| sides[d] / samples[d] as f64);

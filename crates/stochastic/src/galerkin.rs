@@ -54,7 +54,8 @@ pub(crate) fn orthonormal(x: f64, out: &mut [f64]) {
 /// Galerkin's method with discontinuous elements: λ_m and the modes of the operator b ↦ ∫_0^1 C(|x-y|) b(y) dy.
 ///
 /// The kernel may have a kink at 0: an element with itself is integrated on two triangles, by Gauss rules after
-/// (s, t) ↦ (s, st), two elements are integrated by a product rule. Equal elements make the blocks functions of the distance.
+/// (s, t) ↦ (s², s²(1-t²)), which r^2ν of any ν ≥ 1/2 suits; two elements are integrated by a product rule. Equal elements make
+/// the blocks functions of the distance.
 pub(crate) fn galerkin(
     kernel: impl Fn(f64) -> f64 + Sync,
     elements: usize,
@@ -65,12 +66,14 @@ pub(crate) fn galerkin(
     let phi: Vec<Vec<f64>> = rule.points.iter().map(|&x| polynomials(x, n)).collect();
     // block[d][i n + j] = h ∫∫ C(h |d + y - x|) φ_i(x) φ_j(y) dx dy over the unit square
     let mut blocks = vec![vec![0.0; n * n]; elements];
-    for (&s, &ws) in rule.points.iter().zip(&rule.weights) {
+    let triangle = gauss_legendre(2 * degree + 10).mapped(0.0, 1.0);
+    let squares = || triangle.points.iter().zip(&triangle.weights).map(|(s, w)| (s * s, 2.0 * s * w));
+    for (s, ws) in squares() {
         let outer = polynomials(s, n);
         let mut inner = vec![0.0; n];
-        for (&t, &wt) in rule.points.iter().zip(&rule.weights) {
-            let value = h * ws * s * wt * kernel(h * s * (1.0 - t));
-            orthonormal(s * t, &mut inner);
+        for (off, wt) in squares() {
+            let value = h * ws * s * wt * kernel(h * s * off);
+            orthonormal(s * (1.0 - off), &mut inner);
             for i in 0..n {
                 for j in 0..n {
                     blocks[0][i * n + j] += value * (outer[i] * inner[j] + inner[i] * outer[j]);

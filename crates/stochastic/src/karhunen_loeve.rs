@@ -109,7 +109,8 @@ impl KarhunenLoeve {
     }
 
     fn along(kernel: Kernel, correlation: f64, length: f64, truncation: Truncation) -> Result<Self, StochasticError> {
-        if kernel != Kernel::Matern32 {
+        kernel.check()?;
+        if kernel.is_product() {
             let all = Self::all(kernel, correlation, length)?;
             let count = kept(&all.shares, truncation)?;
             return Ok(all.truncated(count));

@@ -42,8 +42,10 @@ mod galerkin;
 mod karhunen_loeve;
 mod rectangle;
 mod lanczos;
+mod circulant;
 mod cell_covariance;
 mod cell_karhunen_loeve;
+mod cell_samples;
 mod field;
 mod stochastic_mesh;
 mod cell_basis;
@@ -66,6 +68,7 @@ pub use affine_galerkin::{AffineFamily, AffineProduct, AffineSolution, MeanSolve
 pub use cell_basis::{CellBasis, Nodes};
 pub use cell_covariance::FieldCells;
 pub use cell_karhunen_loeve::CellKarhunenLoeve;
+pub use cell_samples::CellSamples;
 pub use chains::{CHAIN, scale_bounds, solve_points, solve_warm};
 pub use covariance::{Covariance, Kernel};
 pub use error::StochasticError;

@@ -6,7 +6,7 @@ use crate::covariance::check_length;
 use crate::galerkin::{orthonormal, transform};
 use crate::karhunen_loeve::{LIMIT, ROUNDOFF, captured, check, kept};
 use crate::spectrum::{Spectrum, folded_spectrum};
-use crate::{Covariance, KarhunenLoeve, Kernel, StochasticError, Truncation};
+use crate::{Covariance, KarhunenLoeve, StochasticError, Truncation};
 use steklov_quadrature::gauss_legendre;
 
 /// Products of eigenvalues nearer than this are taken as equal.
@@ -54,9 +54,10 @@ impl RectangleKarhunenLoeve {
             check(side, truncation)?;
             check_length("the correlation length", correlation)?;
         }
-        match covariance.kernel {
-            Kernel::Exponential | Kernel::Gaussian => Self::products(covariance, sides, truncation),
-            Kernel::Matern32 => Self::refined(covariance, sides, truncation),
+        covariance.kernel.check()?;
+        match covariance.kernel.is_product() {
+            true => Self::products(covariance, sides, truncation),
+            false => Self::refined(covariance, sides, truncation),
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod affine_galerkin;
 mod cell_karhunen_loeve;
+mod cell_samples;
 mod chains;
 mod contact_reference;
 mod field;

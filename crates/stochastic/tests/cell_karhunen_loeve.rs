@@ -1,7 +1,7 @@
 //! Expansions of the means over cells.
 
 use proptest::prelude::*;
-use steklov_stochastic::Kernel::{Exponential, Gaussian, Matern32};
+use steklov_stochastic::Kernel::{Exponential, Gaussian};
 use steklov_stochastic::{CellKarhunenLoeve, Covariance, FieldCells, Kernel, StochasticError, Truncation, sample};
 use steklov_stochastic::{RectangleKarhunenLoeve, Variable};
 
@@ -88,7 +88,7 @@ fn cells_do_not_resolve_a_known_share() {
         assert!((kl.unresolved() - wanted).abs() < 1e-12, "{q}: {} {wanted}", kl.unresolved());
     }
     for (n, wanted) in [(32, 0.0018545005376822132), (128, 0.00012049242826528417)] {
-        let kl = expansion(Matern32, 0.5, rectangle([n; 2], [1.0; 2]), Truncation::Modes(3));
+        let kl = expansion(Kernel::MATERN_32, 0.5, rectangle([n; 2], [1.0; 2]), Truncation::Modes(3));
         assert!((kl.unresolved() - wanted).abs() < 1e-8 * wanted, "{n}: {}", kl.unresolved());
     }
 }
@@ -126,13 +126,17 @@ fn what_makes_no_sense_is_refused() {
     assert!(matches!(new(corner(32), Truncation::Modes(401)), Err(StochasticError::Modes { .. })));
     assert!(matches!(new(corner(4), Truncation::Modes(13)), Err(StochasticError::Modes { wanted: 13, available: 12 })));
     assert!(matches!(new(corner(8), Truncation::Captured(1.0)), Err(StochasticError::Number { .. })));
-    let rough = Covariance { kernel: Matern32, correlation: [0.5; 2] };
-    let refused = CellKarhunenLoeve::new(&rough, corner(8), Truncation::Modes(1));
-    assert!(matches!(refused, Err(StochasticError::NoProduct { kernel: Matern32 })));
+    for smoothness in [0.49, 10.1, f64::NAN] {
+        let kernel = Kernel::Matern { smoothness };
+        let refused = CellKarhunenLoeve::new(&Covariance { kernel, ..covariance }, corner(8), Truncation::Modes(1));
+        assert!(matches!(refused, Err(StochasticError::Number { .. })), "{smoothness}");
+    }
+    let refused = CellKarhunenLoeve::independent(rectangle([64, 33], [1.0; 2]));
+    assert!(matches!(refused, Err(StochasticError::Modes { wanted: 2112, available: 2048 })));
 }
 
-fn kernels() -> impl Strategy<Value = Kernel> {
-    prop_oneof![Just(Exponential), Just(Gaussian), Just(Matern32)]
+fn products() -> impl Strategy<Value = Kernel> {
+    prop_oneof![Just(Exponential), Just(Gaussian)]
 }
 
 proptest! {
@@ -140,7 +144,7 @@ proptest! {
 
     /// The mean over a cell is that of the values in it.
     #[test]
-    fn means_are_means(kernel in kernels(), ell in 0.3..3.0, nx in 1usize..5, ny in 1usize..5, seed in 0u64..1000) {
+    fn means_are_means(kernel in products(), ell in 0.3..3.0, nx in 1usize..5, ny in 1usize..5, seed in 0u64..1000) {
         let cells = rectangle([nx, ny], [2.0, 1.0]);
         let covariance = Covariance { kernel, correlation: [ell; 2] };
         let truncation = Truncation::Modes(5);
@@ -163,7 +167,7 @@ proptest! {
 
     /// The mean over a cell is that of the means over its parts, for each outcome.
     #[test]
-    fn means_of_parts_are_means(kernel in kernels(), ell in 0.2..3.0, n in 1usize..6, seed in 0u64..1000) {
+    fn means_of_parts_are_means(kernel in products(), ell in 0.2..3.0, n in 1usize..6, seed in 0u64..1000) {
         let covariance = Covariance { kernel, correlation: [ell; 2] };
         let of = |cells| CellKarhunenLoeve::new(&covariance, cells, Truncation::Modes(6)).unwrap();
         let (coarse, fine) = (of(rectangle([n, 2 * n], [1.0; 2])), of(rectangle([2 * n, 4 * n], [1.0; 2])));

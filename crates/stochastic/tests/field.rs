@@ -1,8 +1,8 @@
 //! Random fields: values and variances.
 
 use proptest::prelude::*;
-use steklov_stochastic::Kernel::{Exponential, Gaussian, Matern32};
-use steklov_stochastic::{Covariance, Field, Truncation};
+use steklov_stochastic::Kernel::{Exponential, Gaussian};
+use steklov_stochastic::{Covariance, Field, Kernel, Truncation};
 
 fn covariance(kernel: steklov_stochastic::Kernel, ell: f64) -> Covariance {
     Covariance { kernel, correlation: [ell; 2] }
@@ -11,7 +11,7 @@ fn covariance(kernel: steklov_stochastic::Kernel, ell: f64) -> Covariance {
 fn fields(ell: f64) -> Vec<(Field, [f64; 2])> {
     let sides = [2.0, 1.0];
     let mut out = Vec::new();
-    for kernel in [Exponential, Gaussian, Matern32] {
+    for kernel in [Exponential, Gaussian, Kernel::MATERN_32] {
         let c = covariance(kernel, ell);
         out.push((Field::interval(&c, sides[0], Truncation::Modes(5)).unwrap(), [sides[0], 0.0]));
         out.push((Field::rectangle(&c, sides, Truncation::Modes(5)).unwrap(), sides));

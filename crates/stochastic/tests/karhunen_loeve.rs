@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use steklov_quadrature::{Rule, gauss_legendre};
-use steklov_stochastic::Kernel::{Exponential, Gaussian, Matern32};
+use steklov_stochastic::Kernel::{Exponential, Gaussian};
 use steklov_stochastic::{Covariance, KarhunenLoeve, Kernel, StochasticError, Truncation};
 
 fn expansion(kernel: Kernel, ell: f64, length: f64, truncation: Truncation) -> KarhunenLoeve {
@@ -233,7 +233,7 @@ fn gaussian_and_matern_eigenvalues_are_those_of_the_reference() {
         assert!((kl.eigenvalue(m) / lambda - 1.0).abs() < 1e-9);
     }
     let matern = [0.6971879794, 0.2136530351, 0.05768281482, 0.01798721373, 0.006749766309, 0.002964319726];
-    let kl = expansion(Matern32, 0.5, 1.0, Truncation::Modes(6));
+    let kl = expansion(Kernel::MATERN_32, 0.5, 1.0, Truncation::Modes(6));
     for (m, lambda) in matern.into_iter().enumerate() {
         // Nyström's method with 400 points, h⁴ away
         assert!((kl.eigenvalue(m) / lambda - 1.0).abs() < 1e-7);
@@ -245,7 +245,7 @@ fn gaussian_and_matern_eigenvalues_are_those_of_the_reference() {
 fn matern_modes_solve_their_differential_equation() {
     let (ell, h) = (0.5f64, 0.01);
     let a = 3f64.sqrt() / ell;
-    let kl = expansion(Matern32, ell, 1.0, Truncation::Modes(4));
+    let kl = expansion(Kernel::MATERN_32, ell, 1.0, Truncation::Modes(4));
     let x = [0.3 - 2.0 * h, 0.3 - h, 0.3, 0.3 + h, 0.3 + 2.0 * h].map(|x| modes(&kl, x));
     for m in 0..4 {
         let b: Vec<f64> = x.iter().map(|b| b[m]).collect();
@@ -258,9 +258,24 @@ fn matern_modes_solve_their_differential_equation() {
     }
 }
 
+/// A field of any smoothness has the eigenvalues that four times as many elements have.
+#[test]
+fn rough_kernels_are_resolved() {
+    for (smoothness, tolerance) in [(0.5, 1e-12), (0.6, 3e-8), (1.0, 3e-10), (2.2, 1e-12), (7.0, 1e-12)] {
+        let kernel = Kernel::Matern { smoothness };
+        let own = expansion(kernel, 0.5, 1.0, Truncation::Modes(12));
+        let value = |r: f64| kernel.value(r / 0.5);
+        let fine = KarhunenLoeve::galerkin(value, 1.0, 32, 15, Truncation::Modes(12)).unwrap();
+        for m in 0..12 {
+            let off = (own.eigenvalue(m) - fine.eigenvalue(m)).abs();
+            assert!(off < tolerance * own.eigenvalue(0), "{smoothness}: {off:e} of mode {m}");
+        }
+    }
+}
+
 #[test]
 fn modes_are_orthonormal_and_satisfy_their_equation() {
-    for (kernel, ell, count) in [(Exponential, 0.3, 30), (Gaussian, 0.3, 10), (Matern32, 0.3, 30)] {
+    for (kernel, ell, count) in [(Exponential, 0.3, 30), (Gaussian, 0.3, 10), (Kernel::MATERN_32, 0.3, 30)] {
         let kl = expansion(kernel, ell, 2.0, Truncation::Modes(count));
         let defect = orthonormality(&kl, 48);
         assert!(defect < 1e-12, "{kernel:?}: {defect}");
@@ -272,7 +287,8 @@ fn modes_are_orthonormal_and_satisfy_their_equation() {
 
 #[test]
 fn long_correlation_leaves_one_mode_and_short_correlation_none() {
-    for kernel in [Exponential, Gaussian, Matern32] {
+    let matern = [1.0, 1.5, 2.5].map(|smoothness| Kernel::Matern { smoothness });
+    for kernel in [Exponential, Gaussian].into_iter().chain(matern) {
         for length in [1.0, 7.0] {
             let kl = expansion(kernel, 1e6 * length, length, Truncation::Modes(1));
             assert!((kl.eigenvalue(0) / length - 1.0).abs() < 1e-6);
@@ -282,7 +298,9 @@ fn long_correlation_leaves_one_mode_and_short_correlation_none() {
         let density = match kernel {
             Exponential => 2.0,
             Gaussian => PI.sqrt(),
-            Matern32 => 4.0 / 3f64.sqrt(),
+            Kernel::Matern { smoothness: 1.0 } => PI / 2f64.sqrt(),
+            Kernel::Matern { smoothness: 2.5 } => 16.0 / (3.0 * 5f64.sqrt()),
+            Kernel::Matern { .. } => 4.0 / 3f64.sqrt(),
         };
         let ell = 1.0 / 200.0;
         let kl = expansion(kernel, ell, 1.0, Truncation::Modes(2));
@@ -296,7 +314,7 @@ fn impossible_wishes_are_refused_with_numbers() {
     let new = |kernel, ell: f64, length: f64, truncation| {
         KarhunenLoeve::new(&Covariance { kernel, correlation: [ell; 2] }, length, truncation).map(|kl| kl.len())
     };
-    for kernel in [Exponential, Gaussian, Matern32] {
+    for kernel in [Exponential, Gaussian, Kernel::MATERN_32] {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(matches!(new(kernel, bad, 1.0, Truncation::Modes(1)), Err(StochasticError::Number { .. })));
             assert!(matches!(new(kernel, 1.0, bad, Truncation::Modes(1)), Err(StochasticError::Number { .. })));
@@ -318,7 +336,7 @@ fn impossible_wishes_are_refused_with_numbers() {
 }
 
 fn kernels() -> impl Strategy<Value = Kernel> {
-    prop_oneof![Just(Exponential), Just(Gaussian), Just(Matern32)]
+    prop_oneof![Just(Exponential), Just(Gaussian), Just(Kernel::MATERN_32)]
 }
 
 proptest! {
@@ -358,7 +376,7 @@ proptest! {
     /// Mercer's theorem: Σ λ_m b_m(x)² → 1 from below, and Σ λ_m b_m(x) b_m(y) → C(x-y).
     #[test]
     fn expansion_converges_to_the_covariance(ell in 0.2..5.0f64, x in 0.05..0.95f64, y in 0.05..0.95f64) {
-        for (kernel, share, error) in [(Gaussian, 1.0 - 1e-10, 1e-7), (Matern32, 0.9999, 2e-3)] {
+        for (kernel, share, error) in [(Gaussian, 1.0 - 1e-10, 1e-7), (Kernel::MATERN_32, 0.9999, 2e-3)] {
             let kl = expansion(kernel, ell, 1.0, Truncation::Captured(share));
             let (a, b) = (modes(&kl, x), modes(&kl, y));
             let sum = |a: &[f64], b: &[f64]| (0..kl.len()).map(|m| kl.eigenvalue(m) * a[m] * b[m]).sum::<f64>();

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use steklov_quadrature::gauss_legendre;
-use steklov_stochastic::Kernel::{Exponential, Gaussian, Matern32};
+use steklov_stochastic::Kernel::{Exponential, Gaussian};
 use steklov_stochastic::{Covariance, KarhunenLoeve, Kernel, RectangleKarhunenLoeve, StochasticError, Truncation};
 
 fn expansion(kernel: Kernel, ell: [f64; 2], sides: [f64; 2], truncation: Truncation) -> RectangleKarhunenLoeve {
@@ -55,7 +55,7 @@ fn equal_products_have_a_fixed_order() {
 
 #[test]
 fn modes_are_orthonormal() {
-    for kernel in [Exponential, Gaussian, Matern32] {
+    for kernel in [Exponential, Gaussian, Kernel::MATERN_32] {
         let kl = expansion(kernel, [0.8, 0.5], [2.0, 1.0], Truncation::Modes(12));
         let (x, y) = (gauss_legendre(60).mapped(0.0, 2.0), gauss_legendre(60).mapped(0.0, 1.0));
         let mut gram = [[0.0; 12]; 12];
@@ -81,7 +81,7 @@ fn modes_are_orthonormal() {
 /// ∫∫ C b_m b_m by a rule that has nothing to do with the points of the method.
 #[test]
 fn matern_modes_have_their_eigenvalues() {
-    let covariance = Covariance { kernel: Matern32, correlation: [1.0, 0.5] };
+    let covariance = Covariance { kernel: Kernel::MATERN_32, correlation: [1.0, 0.5] };
     let kl = RectangleKarhunenLoeve::new(&covariance, [1.5, 1.0], Truncation::Modes(6)).unwrap();
     let (x, y) = (gauss_legendre(37).mapped(0.0, 1.5), gauss_legendre(31).mapped(0.0, 1.0));
     let points: Vec<_> = x.points.iter().flat_map(|&x| y.points.iter().map(move |&y| [x, y])).collect();
@@ -101,7 +101,7 @@ fn matern_modes_have_their_eigenvalues() {
 
 #[test]
 fn thin_matern_rectangle_is_an_interval() {
-    let covariance = Covariance { kernel: Matern32, correlation: [0.5, 0.5] };
+    let covariance = Covariance { kernel: Kernel::MATERN_32, correlation: [0.5, 0.5] };
     let line = KarhunenLoeve::new(&covariance, 1.0, Truncation::Modes(4)).unwrap();
     let thin = RectangleKarhunenLoeve::new(&covariance, [1.0, 1e-4], Truncation::Modes(4)).unwrap();
     for m in 0..4 {
@@ -112,7 +112,7 @@ fn thin_matern_rectangle_is_an_interval() {
 /// The square's modes of one eigenvalue are told apart by their parities, whatever the rounding.
 #[test]
 fn matern_modes_of_a_square_are_even_or_odd() {
-    let kl = expansion(Matern32, [1.0, 1.0], [1.0, 1.0], Truncation::Modes(8));
+    let kl = expansion(Kernel::MATERN_32, [1.0, 1.0], [1.0, 1.0], Truncation::Modes(8));
     let (a, b) = (modes(&kl, [0.2, 0.3]), modes(&kl, [0.8, 0.3]));
     assert!((kl.eigenvalue(1) / kl.eigenvalue(2) - 1.0).abs() < 1e-12);
     for m in 0..8 {
@@ -126,7 +126,7 @@ fn impossible_wishes_are_refused_with_numbers() {
     let new = |kernel, ell, truncation| {
         RectangleKarhunenLoeve::new(&Covariance { kernel, correlation: ell }, [1.0, 1.0], truncation).map(|kl| kl.len())
     };
-    for kernel in [Exponential, Gaussian, Matern32] {
+    for kernel in [Exponential, Gaussian, Kernel::MATERN_32] {
         for ell in [[0.0, 1.0], [1.0, -1.0], [f64::NAN, 1.0]] {
             assert!(matches!(new(kernel, ell, Truncation::Modes(1)), Err(StochasticError::Number { .. })));
         }
@@ -135,7 +135,10 @@ fn impossible_wishes_are_refused_with_numbers() {
     }
     assert!(matches!(new(Exponential, [0.01; 2], Truncation::Captured(0.99)), Err(StochasticError::Captured { .. })));
     assert!(matches!(new(Gaussian, [1.0; 2], Truncation::Modes(9999)), Err(StochasticError::Modes { .. })));
-    assert!(matches!(new(Matern32, [0.001; 2], Truncation::Modes(3)), Err(StochasticError::Unconverged { .. })));
+    assert!(matches!(
+        new(Kernel::MATERN_32, [0.001; 2], Truncation::Modes(3)),
+        Err(StochasticError::Unconverged { .. })
+    ));
 }
 
 proptest! {

@@ -55,7 +55,7 @@ pub fn solve_stochastic(
         Sampling::Sparse | Sampling::Corrected | Sampling::MonteCarlo => {
             let answer = |germs: &[f64], warm: &mut Option<Solution>| outcomes.answer(germs, warm);
             let (numbers, data) = (&outcomes.numbers[..], &outcomes.data);
-            let kept = Kept::all(random.germs.len());
+            let kept = Kept::all(random);
             let one_by_one = OneByOne { numbers, scales: &scales, data, answer: &answer, kept, block: BLOCK };
             one_by_one.solve(random, &watch, observe)?
         }
@@ -97,7 +97,8 @@ pub(super) fn finish(scene: &Scene, random: &Random, result: &mut StochasticResu
     if random.stochastic.method == Sampling::Sparse {
         result.overlooked |= result.quantities.iter().zip(scales).any(|(quantity, scale)| is_missed(quantity, *scale));
     }
-    result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
+    let expanded = random.fields().filter(|(field, _)| !field.expansion.is_drawn());
+    result.fields = expanded.map(|(field, _)| field_modes(field)).collect();
     result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
     result.probabilities = random.stochastic.quantiles.clone();
 }

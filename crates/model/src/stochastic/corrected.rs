@@ -277,6 +277,9 @@ impl Rule<'_> {
         let mut falls = 0.0;
         for level in 1.. {
             let kept = self.outcomes.kept.at_level(level, self.random.stochastic.tolerance);
+            if kept.is_empty() {
+                break;
+            }
             let left_out = self.outcomes.kept.left_out(kept.len());
             if about_points(kept.len(), level) > 2.0 * most {
                 break;

@@ -35,7 +35,7 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
     }
     let fields = random.fields().map(|(f, _)| {
         let (modes, captured, unresolved) = (f.expansion.len(), f.expansion.captured(), f.expansion.unresolved());
-        (f.name.clone(), object!({ "modes": modes, "captured": captured, "unresolved": unresolved }))
+        (f.name.clone(), object!({ "modes": (!f.expansion.is_drawn()).then_some(modes), "captured": captured, "unresolved": unresolved }))
     });
     let lost = random.germs.iter().filter(|g| g.variable.lost() > 0.0);
     root["solution"] = object!({

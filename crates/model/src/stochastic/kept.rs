@@ -19,7 +19,7 @@ const STEP: f64 = 1e-4;
 
 /// The germs in the order in which polynomials take them.
 pub(super) struct Kept {
-    /// Germs by falling share, those of unknown effect first.
+    /// Germs by falling share, those of unknown effect first; without those of fields that are drawn as a whole.
     order: Vec<usize>,
     /// How many of them have an unknown effect.
     unknown: usize,
@@ -28,17 +28,19 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// All germs, each of unknown effect.
-    pub(super) fn all(germs: usize) -> Self {
-        Self { order: (0..germs).collect(), unknown: germs, left_out: Vec::new() }
+    /// All germs that polynomials can have, each of unknown effect.
+    pub(super) fn all(random: &Random) -> Self {
+        let drawn = random.drawn_germs();
+        let order: Vec<usize> = (0..random.germs.len()).filter(|germ| !drawn.contains(germ)).collect();
+        Self { unknown: order.len(), order, left_out: Vec::new() }
     }
 
     /// The germs by their shares in the variance of each number; none for a germ of unknown effect.
-    fn by_shares(shares: &[Option<Vec<f64>>]) -> Self {
+    fn by_shares(random: &Random, shares: &[Option<Vec<f64>>]) -> Self {
         let largest = |germ: &usize| {
             shares[*germ].as_ref().map_or(f64::INFINITY, |shares| shares.iter().copied().fold(0.0, f64::max))
         };
-        let mut order: Vec<usize> = (0..shares.len()).collect();
+        let mut order = Self::all(random).order;
         order.sort_by(|a, b| largest(b).total_cmp(&largest(a)));
         let numbers = shares.iter().flatten().next().map_or(0, Vec::len);
         let left_out = |k: usize| {
@@ -49,7 +51,7 @@ impl Kept {
             sums
         };
         let left_out = (0..numbers).map(left_out).collect();
-        Self { unknown: shares.iter().filter(|s| s.is_none()).count(), left_out, order }
+        Self { unknown: order.iter().filter(|&&germ| shares[germ].is_none()).count(), left_out, order }
     }
 
     /// The largest share in the linear variance of a number that is left out if d germs are kept.
@@ -86,11 +88,11 @@ pub(super) fn by_effect(
 ) -> Result<Kept, SolveError> {
     let alone = |name: &&RandomName| scene.moves_cell_moduli_alone(random, name.name());
     let fields = random.names.iter().filter(alone).filter_map(|name| match name {
-        RandomName::Field { field, first } => Some((field, *first)),
-        RandomName::Variable { .. } => None,
+        RandomName::Field { field, first } if !field.expansion.is_drawn() => Some((field, *first)),
+        _ => None,
     });
     let fields: Vec<_> = fields.collect();
-    let all = Kept::all(random.germs.len());
+    let all = Kept::all(random);
     if fields.is_empty() || random.germs.len() <= FEW {
         return Ok(all);
     }
@@ -111,7 +113,7 @@ pub(super) fn by_effect(
             *share = if is_rounding(total.sqrt(), *scale) { 0.0 } else { *share / total };
         }
     }
-    Ok(Kept::by_shares(&squares))
+    Ok(Kept::by_shares(random, &squares))
 }
 
 /// dE_c/dg of all cells: the modulus of each by the value of a field there, at the nominal outcome.

@@ -37,6 +37,8 @@ const FILL: f64 = 6000.0;
 /// A grid of the family.
 struct Grid<'a> {
     outcomes: OutcomesOnGrid<'a>,
+    /// Outcomes of the germs of the next finer grid, where those of its own germs have other fields of the same law.
+    of_finer: Option<OutcomesOnGrid<'a>>,
     cells: [usize; 2],
     cost: f64,
 }
@@ -57,7 +59,12 @@ struct Drawn {
 fn family<'a>(scene: &Scene, random: &'a Random, layout: &GridLayout) -> Result<Vec<Grid<'a>>, SolveError> {
     let mut family: Vec<Grid<'_>> = Vec::new();
     let mut next = Some((scene.clone(), layout.clone()));
-    while let Some((scene, layout)) = next.take().filter(|_| family.len() < LEVELS) {
+    while let Some((given, layout)) = next.take().filter(|_| family.len() < LEVELS) {
+        let redrawn = given.redrawn().filter(|_| !family.is_empty());
+        let (scene, of_finer) = match redrawn {
+            Some(own) => (own, Some(given)),
+            None => (given, None),
+        };
         let Some(input) = scene.body().grid else { break };
         let cells = input.cells().map(|n| n * layout.parts);
         if cells.iter().any(|n| *n < COARSEST) {
@@ -69,8 +76,9 @@ fn family<'a>(scene: &Scene, random: &'a Random, layout: &GridLayout) -> Result<
             false => None,
         };
         let n = (cells[0] * cells[1]) as f64;
+        let of_finer = of_finer.map(|scene| OutcomesOnGrid::new(scene, random, layout.clone())).transpose()?;
         let outcomes = OutcomesOnGrid::new(scene, random, layout)?;
-        family.push(Grid { outcomes, cells, cost: 1.0 + n / LINEAR + n.powf(1.5) / FILL });
+        family.push(Grid { outcomes, of_finer, cells, cost: 1.0 + n / LINEAR + n.powf(1.5) / FILL });
     }
     family.reverse();
     Ok(family)
@@ -92,7 +100,17 @@ struct Levels<'a> {
 impl Levels<'_> {
     /// The answer to germs on a grid of the family.
     fn answer(&self, level: usize, germs: &[f64]) -> Result<Answer, SolveError> {
-        let (outcome, solved) = self.family[level].outcomes.solve(germs)?;
+        self.answer_of(&self.family[level].outcomes, germs)
+    }
+
+    /// The answer to germs of a grid on the next coarser one.
+    fn coarser_answer(&self, level: usize, germs: &[f64]) -> Result<Answer, SolveError> {
+        let coarser = &self.family[level - 1];
+        self.answer_of(coarser.of_finer.as_ref().unwrap_or(&coarser.outcomes), germs)
+    }
+
+    fn answer_of(&self, outcomes: &OutcomesOnGrid<'_>, germs: &[f64]) -> Result<Answer, SolveError> {
+        let (outcome, solved) = outcomes.solve(germs)?;
         Ok(numbers_of(&outcome, &solved, self.numbers))
     }
 
@@ -105,7 +123,7 @@ impl Levels<'_> {
             watch.check()?;
             let germs = sample(&self.variables, seed, (have + i) as u64);
             let fine = self.answer(level, &germs)?;
-            let coarse = if level > self.start { Some(self.answer(level - 1, &germs)?) } else { None };
+            let coarse = if level > self.start { Some(self.coarser_answer(level, &germs)?) } else { None };
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             watch.tell(done, total.max(done));
             Ok::<_, SolveError>((germs, fine, coarse))
@@ -294,7 +312,7 @@ fn beside_coarsest(
     let data = InGerms::new(scene, levels.random);
     let answer = |germs: &[f64], _: &mut Option<Solution>| levels.answer(levels.start, germs);
     let (numbers, scales) = (levels.numbers, levels.scales);
-    let kept = Kept::all(levels.random.germs.len());
+    let kept = Kept::all(levels.random);
     let one_by_one = OneByOne { numbers, scales, data: &data, answer: &answer, kept, block: 1 };
     beside_samples(&mut coarsest, &one_by_one, levels.random, watch)?;
     (result.checks, result.unseen) = (coarsest.checks, coarsest.unseen);

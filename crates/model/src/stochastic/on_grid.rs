@@ -59,7 +59,7 @@ pub fn solve_stochastic_on_grid(
             };
             let kept = match method {
                 Sampling::Corrected => by_effect((scene, &nominal), random, &solved, (&numbers, &scales))?,
-                _ => Kept::all(random.germs.len()),
+                _ => Kept::all(random),
             };
             let one_by_one =
                 OneByOne { numbers: &numbers, scales: &scales, data: &data, answer: &answer, kept, block: BLOCK };

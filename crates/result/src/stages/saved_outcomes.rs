@@ -103,8 +103,7 @@ impl<'a> SavedOutcomes<'a> {
 /// Points with weights at which the modes of a field are stored: Gauss points of a side or of the rectangle around the body, or
 /// the middles of its cells.
 fn mode_points(field: &Field) -> (Vec<Vec<f64>>, Vec<f64>) {
-    if let Some(kl) = field.on_cells() {
-        let cells = kl.cells();
+    if let Some(cells) = field.cells() {
         let middle =
             |c: usize| [0, 1].map(|k| cells.size[k] * ([c / cells.cells[1], c % cells.cells[1]][k] as f64 + 0.5));
         return cells.body().into_iter().map(|c| (middle(c).to_vec(), cells.area())).unzip();
@@ -127,9 +126,17 @@ fn mode_points(field: &Field) -> (Vec<Vec<f64>>, Vec<f64>) {
 fn save_eigenpairs(at: &Group, name: &str, field: &Field) -> Result<(), IoError> {
     let (points, weights) = mode_points(field);
     save_text(at, "name", name, "name of the random field")?;
-    if let Some(kl) = field.on_cells() {
+    if let Some(cells) = field.cells() {
         let meaning = "numbers of cells along x and y, in each of which the field is constant";
-        save_integers(at, "cells", &kl.cells().cells, &label("1", meaning, &["axis"]))?;
+        save_integers(at, "cells", &cells.cells, &label("1", meaning, &["axis"]))?;
+    }
+    if field.is_drawn() {
+        return save_text(
+            at,
+            "left_out",
+            "modes: the field is drawn without truncation",
+            "what is not stored, and why",
+        );
     }
     let meaning = "lambda_m of the covariance, falling";
     save_vector(at, "eigenvalues", &field.eigenvalues(), &label("length^d", meaning, &["mode"]))?;
