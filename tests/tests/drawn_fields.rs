@@ -50,6 +50,10 @@ fn bars_of_drawn_cells_have_their_closed_forms() {
         let (error, variance_error) = (tip.standard_error.unwrap(), tip.variance_error.unwrap());
         let off = [(tip.mean - mean) / error, (tip.variance - variance) / variance_error];
         println!("{expected:?}: {off:?} standard errors, {} solved", result.solved);
+        // the first samples of the seed, whose values are the logarithms over 0.3
+        assert_eq!(result.moduli.iter().map(Vec::len).collect::<Vec<_>>(), [64; 5]);
+        let logarithms = result.moduli.iter().flatten().map(|e| e.ln() / 0.3);
+        assert!(logarithms.map(|g| g * g).sum::<f64>() / 320.0 < 3.0 && result.moduli[0] != result.moduli[1]);
         assert!(off.iter().all(|off| off.abs() < 3.5), "{expected:?}: {off:?}");
         assert!(error < 0.03 * variance.sqrt() && variance_error < 0.1 * variance);
         assert!(expected != Sampling::Multilevel || result.levels.len() > 1);

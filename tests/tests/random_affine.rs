@@ -1,8 +1,8 @@
 //! Grids whose moduli are affine in the germs, solved for all outcomes at once: against another code, against sparse grids, and
 //! in closed form.
 
-use steklov_model::stochastic::json;
-use steklov_problem::Scene;
+use steklov_model::stochastic::{End, json};
+use steklov_problem::{Sampling, Scene};
 use steklov_stochastic::{Recurrence, Variable};
 use steklov_tests::{outcomes, parse, quantity, read};
 
@@ -20,6 +20,8 @@ fn mode(length: f64, correlation: f64, k: usize) -> (f64, f64) {
     }
     (low, 2.0 * c / (low * low + c * c))
 }
+
+const TIP: &str = "probe.0.displacement.y";
 
 /// Number of a mode in one direction, its wave number, the length of the side.
 type Factor = (usize, f64, f64);
@@ -213,6 +215,49 @@ fn prescribed_displacements_make_affine_stresses() {
     assert!((median - 1.0).abs() < 0.05, "{median}");
     let told = json(scene.random.as_ref().unwrap(), &result);
     assert_eq!((told["solution"]["method"].as_str(), told["solution"]["blocks"].as_u64()), (Some("galerkin"), Some(6)));
+}
+
+/// Without a degree the one is taken whose means have the tolerance, and no higher one; tight tolerances of a modulus that is
+/// affine, positive and of few germs have it by default.
+#[test]
+fn a_degree_is_found_for_a_tolerance() {
+    for (part, tolerance, degree, method) in
+        [(0.3, 3e-4, 2, ""), (0.9, 4e-3, 3, ""), (0.9, 2e-4, 4, ""), (0.9, 0.02, 2, "method = \"galerkin\"")]
+    {
+        let scene = plate(8, part, &format!("tolerance = {tolerance}\n{method}"));
+        assert_eq!(scene.random.as_ref().unwrap().stochastic.method, Sampling::Galerkin);
+        let (own, exact) = (outcomes(&scene), outcomes(&plate(8, part, "method = \"galerkin\"\ndegree = 7")));
+        let (tip, reference) = (quantity(&own, TIP), quantity(&exact, TIP));
+        let off = [
+            (tip.mean - reference.mean).abs() / reference.variance.sqrt(),
+            ((tip.variance / reference.variance).sqrt() - 1.0).abs(),
+        ];
+        println!(
+            "{part} {tolerance}: degree {:?}, mean and deviation off by {off:?}",
+            own.cells.as_ref().unwrap().degree
+        );
+        assert!(own.end == End::Tolerance && off[0] < tolerance && off[1] < 3.0 * tolerance, "{off:?}");
+        assert_eq!(own.cells.as_ref().unwrap().degree, [[degree; 6]], "{part} {tolerance}");
+    }
+    let cut = outcomes(&plate(8, 0.9, "tolerance = 1e-6\nmax_nodes = 100"));
+    assert!(cut.end == End::MaxNodes && cut.solved == 84, "{:?} {}", cut.end, cut.solved);
+    let method = |young: &str, end: &str, more: &str| {
+        let text = bar_text(young, end, more).replace("method = \"galerkin\"\n", "");
+        let text = text.replace("[0, \"free\"]\n[sides.bottom]\ndisplacement = [\"free\", 0]", "[0, 0]");
+        parse(&text, &[]).unwrap().random.unwrap().stochastic.method
+    };
+    let (affine, tension) = ("1 + 0.1*a + 0.1*b", "traction = [1, 0]");
+    assert_eq!(method(affine, tension, "tolerance = 0.001"), Sampling::Galerkin);
+    for (young, end, more) in [
+        (affine, tension, "tolerance = 0.01"),
+        (affine, tension, ""),
+        ("exp(0.1*a + 0.1*b)", tension, "tolerance = 0.001"),
+        ("1.5 + b - 0.4*(a - 1)*2", tension, "tolerance = 0.001"),
+        (affine, "contact = { gap = \"0.1\" }", "tolerance = 0.001"),
+        (affine, "traction = [\"a\", 0]", "tolerance = 0.001"),
+    ] {
+        assert_eq!(method(young, end, more), Sampling::Corrected, "{young} {end} {more}");
+    }
 }
 
 #[test]

@@ -715,7 +715,7 @@ pub(super) static STOCHASTIC: Table = table(
         key("method", Words(&words(&SAMPLINGS)), "", "Which outcomes are solved, and what is made of them.")
             .or(|| quoted(&SAMPLINGS, None)),
         key("degree", Form::Whole(DEGREE_FROM_0), "", "Polynomial degree in each germ, of galerkin and collocation; of galerkin on a grid the total degree.")
-            .or(|| Stochastic::default().degree.to_string()),
+            .without("3; of galerkin on a grid as high as the tolerance needs"),
         key("elements", Form::Whole(ELEMENTS), "", "Stochastic elements of each germ, of galerkin and collocation.")
             .or(|| Stochastic::default().elements.to_string()),
         key("level", Form::Whole(LEVEL), "", "Level of the sparse grid.")
@@ -726,7 +726,7 @@ pub(super) static STOCHASTIC: Table = table(
             "tolerance",
             Form::Number(FRACTION),
             "",
-            "Wanted truncation of refine = \"adaptive\", by auto over the deviation; of corrected and multilevel the standard errors of means over the deviations.",
+            "Wanted truncation of refine = \"adaptive\", by auto over the deviation; of corrected and multilevel the standard errors of means over the deviations, of galerkin on a grid without degree the square of the truncation over the deviation.",
         )
         .without("0.01; of galerkin by auto 0.05, where refine is given 1e-4"),
         key("max_nodes", Form::Whole(NODES), "", "Most outcomes that refine = \"adaptive\", corrected and multilevel solve.")

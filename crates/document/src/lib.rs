@@ -218,10 +218,16 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
         unused.push(STOCHASTIC.to_owned());
     }
     let (names, germs) = random::used(declared, asked.is_product(), &problem, &used)?;
-    let mut random = Random { names, germs, stochastic: Stochastic::default(), constants };
-    random.stochastic = asked.chosen(&problem, &method, &random);
+    let random = Random { names, germs, stochastic: Stochastic::default(), constants };
     let random = (!random.names.is_empty()).then_some(random);
-    Ok(Scene { title, units, problem, parameters, probe, probe_lines, probe_sides, method, expect, random, unused })
+    let mut scene =
+        Scene { title, units, problem, parameters, probe, probe_lines, probe_sides, method, expect, random, unused };
+    if let Some(stochastic) = asked.chosen(&scene)
+        && let Some(random) = &mut scene.random
+    {
+        random.stochastic = stochastic;
+    }
+    Ok(scene)
 }
 
 /// The problem of a scene with its random inputs.

@@ -1,6 +1,6 @@
 //! `[stochastic]`: how a problem with random input is solved, and what is chosen where the scene leaves it open.
 
-use steklov_problem::{DataErrorKind, Method, Model, Problem, Random, Sampling, Stochastic};
+use steklov_problem::{DataErrorKind, GridInput, Model, Sampling, Scene, Stochastic};
 
 use super::error::ReadError;
 use super::fields::{Field, Fields};
@@ -31,6 +31,9 @@ const TOLERANCE: f64 = 0.01;
 const TRUNCATION: f64 = 0.05;
 /// Most outcomes of multilevel Monte Carlo.
 const MOST: usize = 10_000_000;
+/// Tolerance below which an affine modulus of few germs would need level 3 of a sparse grid, and the most germs of them.
+const TIGHT: f64 = 0.005;
+const AT_ONCE: usize = 8;
 /// Most germs for which stochastic elements are chosen: 256 points of the first one.
 const FEW: usize = 4;
 /// Germs from which on differences between grids are chosen: a sparse grid of level 1 has more than 200 points.
@@ -101,32 +104,38 @@ impl<'a> Asked<'a> {
         matches!(self.method, Some(Sampling::Galerkin | Sampling::Collocation))
     }
 
-    /// The settings for this number of germs. Where no method is asked for: stochastic elements that are refined for few germs
+    /// The settings for the random input of a scene. Where no method is asked for: stochastic elements that are refined for few germs
     /// by boundary elements, differences between grids for very many, or for fields that are drawn as a whole, on one without
-    /// contact, else a sparse grid that fresh outcomes correct.
-    pub(super) fn chosen(self, problem: &Problem, method: &Method, random: &Random) -> Stochastic {
+    /// contact, polynomials of all outcomes at once for tight tolerances where they can be, else a sparse grid that fresh
+    /// outcomes correct. None without random input.
+    pub(super) fn chosen(self, scene: &Scene) -> Option<Stochastic> {
         let Self { mut settings, given, method: asked } = self;
+        let (random, problem, method) = (scene.random.as_ref()?, &scene.problem, &scene.method);
         let (germs, drawn) = (random.germs.len(), !random.drawn_germs().is_empty());
         let open = |key: &str| given.as_ref().is_none_or(|given| given.get(key).is_none());
         let grid = problem.bodies[0].grid.as_ref();
         let halved = |cells: [usize; 2]| cells.iter().all(|n| n.is_multiple_of(4));
-        let family = grid.is_some_and(|grid| {
-            let fem = method.model == Model::Fem || method.model == Model::Auto && grid.fine == [1, 1];
-            fem && halved(grid.cells()) && problem.interfaces().is_empty()
-        });
+        let fem = |grid: &GridInput| method.model == Model::Fem || method.model == Model::Auto && grid.fine == [1, 1];
+        let family = grid.is_some_and(|grid| fem(grid) && halved(grid.cells()) && problem.interfaces().is_empty());
+        let tight = !open("tolerance") && settings.tolerance < TIGHT;
+        let at_once = || tight && germs <= AT_ONCE && grid.is_some_and(fem) && scene.takes_galerkin();
         settings.method = asked.unwrap_or(match grid {
             None if germs <= FEW => Sampling::Galerkin,
+            Some(_) if at_once() => Sampling::Galerkin,
             Some(_) if (germs > MANY || drawn) && family => Sampling::Multilevel,
             _ => Sampling::Corrected,
         });
+        let on_grid = grid.is_some() && scene.is_on_grid();
         if asked.is_none() && settings.method == Sampling::Galerkin {
-            (settings.refine, settings.of_deviation) = (true, true);
+            (settings.refine, settings.of_deviation) = (!on_grid, true);
         }
-        let works_towards = matches!(settings.method, Sampling::Corrected | Sampling::Multilevel);
+        let to_degree = settings.method == Sampling::Galerkin && on_grid && open("degree");
+        settings.of_deviation |= to_degree;
+        let works_towards = to_degree || matches!(settings.method, Sampling::Corrected | Sampling::Multilevel);
         if open("tolerance") && works_towards {
             settings.tolerance = TOLERANCE;
         }
-        if open("tolerance") && settings.of_deviation {
+        if open("tolerance") && settings.of_deviation && !to_degree {
             settings.tolerance = TRUNCATION;
         }
         if open("max_nodes") && settings.method == Sampling::Multilevel {
@@ -135,6 +144,6 @@ impl<'a> Asked<'a> {
         if open("level") && grid.is_some() && germs > LEVEL_TWO {
             settings.level = 1;
         }
-        settings
+        Some(settings)
     }
 }

@@ -75,7 +75,8 @@ pub(super) fn field_panels(
 ) -> Result<Picture, PictureError> {
     let title = Title::new(title);
     let view = Bounds::of(panels.iter().flat_map(|p| [&p.bounds.low, &p.bounds.high]));
-    let common = ends(panels.iter().flat_map(|p| p.ends));
+    let common =
+        panels.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], p| [a.min(p.ends[0]), b.max(p.ends[1])]);
     let plan = Plan::new(&view, panels.len(), columns, shared);
     let captions: Vec<Vec<String>> = panels.iter().map(|p| plan.caption(p, shared)).collect();
     let head = LINE * captions.iter().map(Vec::len).max().unwrap_or(0) as f64 + 8.0;

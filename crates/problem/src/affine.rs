@@ -3,7 +3,9 @@
 use steklov_expression::Expression;
 use steklov_msfem::Grid;
 
-use super::{CellModuli, DataError, DataErrorKind as Kind, Model, Random, Sampling, Scene, Uses, moduli};
+use super::{
+    CellModuli, DataError, DataErrorKind as Kind, Model, Random, Sampling, Scene, Stochastic, Uses, grid_of, moduli,
+};
 
 /// What to do where Galerkin's equations of all outcomes cannot be made.
 const CORRECTED: &str = "take method = \"corrected\", which solves outcome by outcome";
@@ -16,6 +18,19 @@ pub struct AffineModuli {
 }
 
 impl Scene {
+    /// Whether [`Sampling::Galerkin`] solves the scene, of a body on a grid that a side holds, with moduli that stay positive.
+    pub fn takes_galerkin(&self) -> bool {
+        let mut scene = self.clone();
+        let Some(random) = &mut scene.random else { return false };
+        let stochastic =
+            Stochastic { method: Sampling::Galerkin, elements: 1, refine: false, ..random.stochastic.clone() };
+        random.stochastic = stochastic;
+        let Some(random) = &scene.random else { return false };
+        let held = scene.problem.sides.iter().any(|side| side.holds(0) && side.holds(1));
+        let positive = || grid_of(&scene).is_ok_and(|grid| scene.affine_moduli(random, &grid).is_ok());
+        held && scene.is_on_grid() && scene.check_affine(random).is_ok() && positive()
+    }
+
     /// Whether Galerkin in polynomials of all germs can solve the scene on a grid: linear and, in the germs, affine.
     ///
     /// # Errors

@@ -104,7 +104,9 @@ pub struct Stochastic {
     /// Largest contribution of the truncation in the germs to the relative error in the energy norm; of methods with fresh
     /// outcomes the standard errors of means over the deviations.
     pub tolerance: f64,
-    /// Whether the refined mesh has the tolerance of what varies: the truncation over the deviation in the energy norm.
+    /// Whether the refined mesh has the tolerance of what varies: the truncation over the deviation in the energy norm. Of
+    /// Galerkin on a grid whether the degree is raised until the square of the truncation of each quantity over its deviation,
+    /// which errors of means over deviations follow, is `tolerance`.
     pub of_deviation: bool,
     /// Most stochastic nodes.
     pub max_nodes: usize,

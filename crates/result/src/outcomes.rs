@@ -40,6 +40,10 @@ pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
         let stressed = label("length", "mean of E/E0 u: the displacement of E0 with the mean stress", &["unknown"]);
         save_vector(at, "stress_displacement", &result.stress_displacement, &stressed)?;
     }
+    if !result.moduli.is_empty() {
+        let meaning = "Young's modulus of each cell of the body in the first samples of the seed";
+        save_dense(at, "moduli", matrix(&result.moduli).as_ref(), &label("stress", meaning, &["sample", "cell"]))?;
+    }
     if let Some(BodyMoments { displacement, stress, young }) = &result.in_body {
         let group = create_group(at, "body")?;
         save_moments(
@@ -226,6 +230,7 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
             true => load_levels(&open_group(at, "levels")?)?,
             false => Vec::new(),
         },
+        moduli: if at.link_exists("moduli") { vectors(at, "moduli")? } else { Vec::new() },
         in_body: at.link_exists("body").then(|| load_body(&open_group(at, "body")?)).transpose()?,
         pressure: load_moments(at, "pressure")?,
         shear: load_moments(at, "shear")?,

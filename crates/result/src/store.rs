@@ -363,6 +363,9 @@ pub fn read(file: &File) -> Result<Record, IoError> {
             let estimator = summary.estimators.as_ref().and_then(|all| all.stochastic.clone());
             let result = read_stochastic(file, points.len(), contact.len())?;
             result.in_body.iter().try_for_each(|moments| check_in_body(file, moments, &grid))?;
+            if result.moduli.iter().any(|moduli| moduli.len() != grid.quads.len()) {
+                return Err(invalid(file, "stochastic/moduli", "they are not those of the cells of the grid"));
+            }
             Some(StochasticResult { estimator, ..result })
         }
         false => None,

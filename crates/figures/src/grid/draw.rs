@@ -21,6 +21,9 @@ const POINTS: usize = 20_000;
 /// Moduli with this ratio or a larger one are drawn by their logarithms.
 const CONTRAST: f64 = 100.0;
 
+/// Of moduli of outcomes one in so many at either end has an outer colour.
+const OUTER: usize = 200;
+
 /// Indicators below this part of the largest one have the colour of this part.
 const SMALLEST: f64 = 1e-4;
 
@@ -115,8 +118,7 @@ pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Pict
         pictures.extend(picture.map(|picture| (name.to_owned(), picture)));
         Ok(())
     };
-    let inside = || grid.body_cells().map(|cell| body.young[cell]);
-    let (low, high) = inside().fold((f64::INFINITY, 0.0_f64), |(low, high), e| (low.min(e), high.max(e)));
+    let [low, high] = ends(grid.body_cells().map(|cell| &body.young[cell]));
     if high > low {
         let logarithmic = high >= CONTRAST * low;
         let label = if logarithmic { "log10 of Young's modulus" } else { "Young's modulus" };
@@ -140,6 +142,7 @@ pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Pict
         add("estimate", "log10 of the indicator over the largest", &values, Colours::Automatic)?;
     }
     pictures.extend(spread(stored, record)?.map(|picture| ("spread".to_owned(), picture)));
+    pictures.extend(outcomes_of_moduli(stored, record)?.map(|picture| ("moduli-outcomes".to_owned(), picture)));
     pictures.extend(steps(title, record)?.map(|picture| ("steps".to_owned(), picture)));
     if let Some(mesh) = &record.coarse {
         pictures.extend(bases(title, body, mesh)?.map(|picture| ("basis".to_owned(), picture)));
@@ -180,6 +183,48 @@ fn spread(stored: &Record, record: &GridRecord) -> Result<Option<Picture>, Pictu
     };
     let fields: Vec<CellField<'_>> = (0..panels.len()).map(field).collect();
     cell_fields(&format!("{}: mean and deviation", stored.summary.title), &fields, false).map(Some)
+}
+
+/// Young's moduli of a few outcomes of random input in the same colours; none where they do not vary.
+fn outcomes_of_moduli(stored: &Record, record: &GridRecord) -> Result<Option<Picture>, PictureError> {
+    let (grid, unit) = (&record.body.grid, stored.summary.units.stress.as_deref());
+    let outcomes = stored.stochastic.as_ref().map_or(&[][..], |result| &result.moduli);
+    let [low, high] = ends(outcomes.iter().flatten());
+    if low >= high {
+        return Ok(None);
+    }
+    let logarithmic = high >= CONTRAST * low;
+    let label = in_unit(if logarithmic { "log10 of Young's modulus" } else { "Young's modulus" }, unit);
+    let over_box = |moduli: &Vec<f64>| {
+        let mut all = vec![f64::NAN; grid.cells[0] * grid.cells[1]];
+        let shown = moduli.iter().map(|e| if logarithmic { e.log10() } else { *e });
+        grid.body_cells().zip(shown).for_each(|(cell, value)| all[cell] = value);
+        all
+    };
+    let values: Vec<Vec<f64>> = outcomes.iter().map(over_box).collect();
+    let mut sorted: Vec<f64> = values.iter().flatten().copied().filter(|v| !v.is_nan()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len() - 1;
+    let colours = Colours::Range([sorted[last / OUTER], sorted[last - last / OUTER]]);
+    let captions: Vec<String> = (1..=values.len()).map(|k| format!("outcome {k}")).collect();
+    let field = |k: usize| CellField {
+        caption: &captions[k],
+        label: &label,
+        length: stored.summary.units.length.as_deref(),
+        origin: grid.origin,
+        spacing: grid.spacing,
+        cells: grid.cells,
+        values: &values[k],
+        colours,
+        coarse: &[],
+    };
+    let fields: Vec<CellField<'_>> = (0..values.len()).map(field).collect();
+    cell_fields(&format!("{}: outcomes of the modulus", stored.summary.title), &fields, true).map(Some)
+}
+
+/// Smallest and largest of positive numbers.
+fn ends<'a>(values: impl Iterator<Item = &'a f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, 0.0], |[low, high], v| [low.min(*v), high.max(*v)])
 }
 
 /// Lower left and upper right corners of the coarse cells.

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 use steklov_msfem::Grid;
-use steklov_problem::{AffineModuli, Random, Scene};
+use steklov_problem::{AffineModuli, Random, Scene, Stochastic};
 use steklov_stochastic::{Coupled, Moments, Points, TotalDegree, Variable, density, quantiles, sample, smolyak};
 
 use super::check::{STREAM, wanted};
@@ -15,7 +15,7 @@ use super::in_body::BodyMoments;
 use super::number::Number;
 use super::on_grid::{OutcomesOnGrid, numbers_of};
 use super::outcomes::Answer;
-use super::result::{BINS, BLOCK, Cells, KEPT, OVERLOOKED, StochasticResult, Watch, bounds, of_grid};
+use super::result::{BINS, BLOCK, Cells, End, KEPT, OVERLOOKED, Quantity, StochasticResult, Watch, bounds, of_grid};
 use super::unseen::SAFETY;
 use crate::error::SolveError;
 use crate::grid::{AffineGrid, GridLayout, OfBlock};
@@ -26,6 +26,10 @@ const SOLVED: f64 = 1e-12;
 const FRESH: usize = 16;
 /// Blocks whose fields are held at a time.
 const TOGETHER: usize = 32;
+/// The degree from which on a tolerance is sought: of the one before, no fall of the degrees is known.
+const FIRST: usize = 2;
+/// Most coefficients of displacements that a degree is raised to: four gigabytes, with the directions of the solver.
+const MEMORY: f64 = 1e8;
 /// Largest ratio of one degree to the one below that is believed to fall.
 const SLOWEST: f64 = 0.95;
 /// Relative to the mean square, variances below this are rounding.
@@ -73,25 +77,61 @@ struct Measured {
 pub(super) fn of_affine(asked: &Asked<'_>, grid: &Grid, watch: &Watch<'_>) -> Result<StochasticResult, SolveError> {
     let (scene, random) = (&asked.outcomes.scene, asked.random);
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
-    let basis = TotalDegree::new(&variables, random.stochastic.degree)?;
     let moduli = scene.affine_moduli(random, grid)?;
+    let Stochastic { degree, of_deviation, tolerance, max_nodes, .. } = random.stochastic;
+    if !of_deviation {
+        return of_degree(asked, degree, (&moduli, grid), &variables, watch);
+    }
+    let mut degree = FIRST;
+    loop {
+        let mut result = of_degree(asked, degree, (&moduli, grid), &variables, watch)?;
+        if result.quantities.iter().all(|q| is_reached(q, tolerance)) {
+            result.end = End::Tolerance;
+            return Ok(result);
+        }
+        let next = (result.solved as f64) * (variables.len() + degree + 1) as f64 / (degree + 1) as f64;
+        if next > max_nodes as f64 || next * 2.0 * grid.nodes() as f64 > MEMORY {
+            result.end = End::MaxNodes;
+            return Ok(result);
+        }
+        degree += 1;
+    }
+}
+
+/// Whether the mean of a quantity is within a part of its deviation: by the orthogonality of Galerkin's equations its error is the
+/// product of what the polynomials of the solution and of the quantity's dual leave out, (truncation/deviation)² of the deviation.
+fn is_reached(quantity: &Quantity, tolerance: f64) -> bool {
+    let Quantity { mean, variance, truncation, .. } = quantity;
+    let varies = *variance > NO_VARIANCE * (mean * mean + variance);
+    !varies || truncation.is_some_and(|truncation| truncation * truncation <= tolerance * variance)
+}
+
+fn of_degree(
+    asked: &Asked<'_>,
+    degree: usize,
+    (moduli, grid): (&AffineModuli, &Grid),
+    variables: &[Variable],
+    watch: &Watch<'_>,
+) -> Result<StochasticResult, SolveError> {
+    let (scene, random) = (&asked.outcomes.scene, asked.random);
+    let basis = TotalDegree::new(variables, degree)?;
     watch.check()?;
-    let polynomials = polynomials(asked, basis, &moduli, &variables, watch)?;
+    let polynomials = polynomials(asked, basis, moduli, variables, watch)?;
     watch.check()?;
-    let measured = polynomials.measured(asked, &variables, watch)?;
-    let points = points(&variables, &random.stochastic)?;
-    let mut result = polynomials.at_points(asked, points, (&moduli, grid))?;
-    polynomials.add_samples(scene, random, &variables, &mut result, watch)?;
-    polynomials.add_truncation(random, &variables, &measured, &mut result);
+    let measured = polynomials.measured(asked, variables, watch)?;
+    let points = points(variables, degree, random.stochastic.max_nodes)?;
+    let mut result = polynomials.at_points(asked, points, (moduli, grid))?;
+    polynomials.add_samples(scene, random, variables, &mut result, watch)?;
+    polynomials.add_truncation(random, variables, &measured, &mut result);
     Ok(result)
 }
 
 /// The points of the sparse grid of the degree, whose rule gives means and variances of the polynomials, or of the highest level
 /// below it with as few points as are allowed.
-fn points(variables: &[Variable], settings: &steklov_problem::Stochastic) -> Result<Points, SolveError> {
-    for level in (1..=settings.degree).rev() {
+fn points(variables: &[Variable], degree: usize, most: usize) -> Result<Points, SolveError> {
+    for level in (1..=degree).rev() {
         match smolyak(variables, level) {
-            Ok(grid) if grid.points.len() <= settings.max_nodes => return Ok(grid),
+            Ok(grid) if grid.points.len() <= most => return Ok(grid),
             _ => {}
         }
     }

@@ -3,7 +3,9 @@
 use std::time::Instant;
 
 use steklov_contact::Solution;
-use steklov_problem::{Random, Sampling, Scene, Uses};
+use steklov_msfem::Grid;
+use steklov_problem::{Random, Sampling, Scene, Uses, moduli};
+use steklov_stochastic::{Variable, sample};
 
 use super::affine::{Asked, of_affine};
 use super::all_outcomes::{finish, scales};
@@ -24,6 +26,8 @@ use crate::summary::{Probe, Summary};
 
 /// Answers that are held at a time with their fields.
 const BLOCK: usize = 64;
+/// Samples of the moduli that are kept.
+const SHOWN: u64 = 5;
 
 /// Solves a scene for all outcomes of its random input on one grid; `observe` is handed the answers.
 ///
@@ -66,9 +70,23 @@ pub fn solve_stochastic_on_grid(
             one_by_one.solve(random, &watch, observe)?
         }
     };
+    result.moduli = sampled_moduli(scene, random, &solved.body.grid);
     finish(scene, random, &mut result, &scales);
     result.seconds = clock.elapsed().as_secs_f64();
     Ok(result)
+}
+
+/// The moduli of the cells of the body in the first samples that are possible, if they vary.
+fn sampled_moduli(scene: &Scene, random: &Random, grid: &Grid) -> Vec<Vec<f64>> {
+    if !scene.uses(random).young || scene.body().cells().is_none() {
+        return Vec::new();
+    }
+    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
+    let of = |i: u64| {
+        let all = moduli(&scene.outcome(&sample(&variables, random.stochastic.seed, i)).ok()?, grid).ok()?;
+        Some(grid.body_cells().map(|cell| all[cell]).collect())
+    };
+    (0..SHOWN).filter_map(of).collect()
 }
 
 /// A grid on which outcomes are solved.

@@ -145,6 +145,8 @@ pub struct StochasticResult {
     pub displacement: Moments,
     /// Mean of E/E₀ times the nodal displacement: the displacement of E₀ with the mean stress; nothing on grids.
     pub stress_displacement: Vec<f64>,
+    /// Young's moduli of the cells of a body on a grid in the first few samples; nothing where they do not vary.
+    pub moduli: Vec<Vec<f64>>,
     /// The fields in a body on a grid.
     pub in_body: Option<BodyMoments>,
     /// λ_n of each contact condition.
