@@ -239,7 +239,9 @@ fn a_degree_is_found_for_a_tolerance() {
         assert!(own.end == End::Tolerance && off[0] < tolerance && off[1] < 3.0 * tolerance, "{off:?}");
         assert_eq!(own.cells.as_ref().unwrap().degree, [[degree; 6]], "{part} {tolerance}");
     }
-    let cut = outcomes(&plate(8, 0.9, "tolerance = 1e-6\nmax_nodes = 100"));
+    let mut scene = plate(8, 0.9, "tolerance = 1e-6");
+    scene.random.as_mut().unwrap().stochastic.max_nodes = 100;
+    let cut = outcomes(&scene);
     assert!(cut.end == End::MaxNodes && cut.solved == 84, "{:?} {}", cut.end, cut.solved);
     let method = |young: &str, end: &str, more: &str| {
         let text = bar_text(young, end, more).replace("method = \"galerkin\"\n", "");

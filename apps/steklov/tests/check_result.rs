@@ -29,7 +29,7 @@ const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"
 const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
 const FEW: &str = "method.max_steps=3";
 
-const KINDS: [Kind; 23] = [
+const KINDS: [Kind; 24] = [
     kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
@@ -78,6 +78,12 @@ const KINDS: [Kind; 23] = [
         "68-bar-of-a-random-field",
         &["random.g.modes=2", "stochastic.method=\"multilevel\"", "stochastic.tolerance=0.1"],
         &["eigenpairs", "K ", "equilibrium"],
+    ),
+    kind(
+        "drawn-field",
+        "68-bar-of-a-random-field",
+        &["random.g.modes=\"all\"", "stochastic.method=\"corrected\"", "stochastic.tolerance=0.2"],
+        &["K ", "equilibrium"],
     ),
     kind(
         "kept-germs",

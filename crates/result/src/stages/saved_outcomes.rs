@@ -48,7 +48,8 @@ impl<'a> SavedOutcomes<'a> {
                 self.tables = None;
                 let at = stochastic(self.file)?;
                 [OUTCOMES, CELLS, EIGENPAIRS].iter().try_for_each(|name| unlink(&at, name))?;
-                for (k, (field, _)) in random.fields().enumerate() {
+                let expanded = random.fields().filter(|(field, _)| !field.expansion.is_drawn());
+                for (k, (field, _)) in expanded.enumerate() {
                     let all = if k == 0 { create_group(&at, EIGENPAIRS)? } else { open_group(&at, EIGENPAIRS)? };
                     save_eigenpairs(&create_group(&all, &k.to_string())?, &field.name, &field.expansion)?;
                 }
@@ -129,14 +130,6 @@ fn save_eigenpairs(at: &Group, name: &str, field: &Field) -> Result<(), IoError>
     if let Some(cells) = field.cells() {
         let meaning = "numbers of cells along x and y, in each of which the field is constant";
         save_integers(at, "cells", &cells.cells, &label("1", meaning, &["axis"]))?;
-    }
-    if field.is_drawn() {
-        return save_text(
-            at,
-            "left_out",
-            "modes: the field is drawn without truncation",
-            "what is not stored, and why",
-        );
     }
     let meaning = "lambda_m of the covariance, falling";
     save_vector(at, "eigenvalues", &field.eigenvalues(), &label("length^d", meaning, &["mode"]))?;
