@@ -14,6 +14,7 @@ mod marking;
 mod meshing;
 mod moments;
 mod operators;
+mod particular;
 mod polygon;
 mod potential;
 mod residual;
