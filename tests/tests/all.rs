@@ -4,6 +4,7 @@ mod adaptive_estimate;
 mod adaptive_limits;
 mod adaptive_rates;
 mod adaptive_references;
+mod affine_forces;
 mod bodies;
 mod body_forces;
 mod closed_forms;

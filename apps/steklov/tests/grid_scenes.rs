@@ -212,8 +212,8 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
 
 #[test]
 fn the_model_is_the_least_that_fits() {
-    let heavy = format!("{}[body_force]\nvalue = [\"0\", \"-y\"]\n", L.replace(CELLS, "young = 2000"));
-    let constant = heavy.replace("\"-y\"", "\"-9.81\"");
+    let heavy = format!("{}[body_force]\nvalue = [\"0\", \"-y^2\"]\n", L.replace(CELLS, "young = 2000"));
+    let [constant, affine] = ["-9.81", "2*x - 3*(y - 1)"].map(|f| heavy.replace("-y^2", f));
     for (text, overrides, model) in [
         (L, &[][..], Model::Msfem),
         (L, &["grid.fine=[1, 1]"], Model::Fem),
@@ -222,6 +222,8 @@ fn the_model_is_the_least_that_fits() {
         (&heavy, &[], Model::Msfem),
         (&heavy, &["grid.fine=[1, 1]"], Model::Fem),
         (&constant, &[], Model::Bem),
+        (&affine, &[], Model::Bem),
+        (&affine, &["method.model=\"fem\""], Model::Fem),
         (&constant, &["method.model=\"msfem\""], Model::Msfem),
         (&constant, &["method.model=\"bem\""], Model::Bem),
     ] {
@@ -231,7 +233,8 @@ fn the_model_is_the_least_that_fits() {
     assert_eq!(sound(&constant, &["grid.coarse=[3, 3]"]).model(), Model::Bem);
     assert!(parse(&heavy, &["grid.coarse=[3, 3]"]).is_err());
     // the force where the grid asks for it
-    assert_eq!(sound(&heavy, &[]).force_at([0.5, 1.5]).unwrap(), [0.0, -1.5]);
+    assert_eq!(sound(&heavy, &[]).force_at([0.5, 1.5]).unwrap(), [0.0, -2.25]);
+    assert_eq!(sound(&affine, &[]).body().force_gradient(), Some([[0.0, 0.0], [2.0, -3.0]]));
     assert_eq!(sound(&heavy, &[]).body().constant_force(), None);
     assert_eq!(sound(&constant, &[]).force_at([0.5, 1.5]).unwrap(), [0.0, -9.81]);
     let infinite = document(&heavy, &["body_force.value=[\"1/x\", 0]"]);

@@ -501,7 +501,7 @@ pub(super) static BODY_FORCE: Table = table(
         "value",
         VECTOR,
         "stress/length",
-        "Force per area, components x and y; constant, or with a `[grid]` expressions of x and y.",
+        "Force per area, components x and y: a + b x + c y, or with a `[grid]` any expressions of x and y.",
     )
     .required()],
 );

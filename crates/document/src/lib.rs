@@ -206,7 +206,10 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     }
     let forces = problem.bodies.iter().flat_map(|body| &body.force).flatten();
     let in_body_force = forces.flat_map(|f| f.names().iter().cloned()).collect();
-    let by_force = problem.bodies[0].force.is_some() && around || problem.has_several_bodies() && has_force(&problem);
+    // a constant force alone has a resultant, one that differs from place to place may be balanced
+    let first = &problem.bodies[0];
+    let of_first = first.force.is_some() && (around || first.constant_force().is_none());
+    let by_force = of_first || problem.has_several_bodies() && has_force(&problem);
     if !by_force {
         something_acts(&fields, &problem)?;
     }

@@ -1,4 +1,4 @@
-//! Whether an expression is affine in some of its names.
+//! Whether an expression is affine in some of its names, or in the place.
 
 use std::collections::BTreeMap;
 
@@ -24,6 +24,13 @@ impl Expression {
     pub fn is_affine_in<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> bool {
         let open: BTreeMap<String, Value> = names.into_iter().map(|name| (name.to_owned(), Value::Free(0))).collect();
         kind(&self.with_values(&open).code.ops) < Kind::Other
+    }
+
+    /// c, a and b, if the value is c + a x + b y at every place: by the form of the text, in which only sums and differences, and
+    /// products and quotients with numbers, are affine. `None` for others, also where their value is (`x*x/x`), and for those of
+    /// s, of random fields and of names without values. A number of the text that is not finite leaves one that is not.
+    pub fn affine_in_place(&self) -> Option<[f64; 3]> {
+        plane(&self.code.ops)
     }
 }
 
@@ -66,4 +73,39 @@ fn both(function: Two, a: Kind, b: Kind) -> Kind {
         (Two::Multiply, Kind::Free, other) | (Two::Multiply | Two::Divide, other, Kind::Free) => other,
         _ => Kind::Other,
     }
+}
+
+/// A value c + a x + b y: c, a, b.
+type Plane = [f64; 3];
+
+/// The value of a tape, if it is affine in the place by its form.
+fn plane(ops: &[Op]) -> Option<Plane> {
+    let mut stack: Vec<Plane> = Vec::new();
+    for op in ops {
+        match *op {
+            Op::Constant(value) => stack.push([value, 0.0, 0.0]),
+            Op::X => stack.push([0.0, 1.0, 0.0]),
+            Op::Y => stack.push([0.0, 0.0, 1.0]),
+            Op::One(One::Negate) => stack.last_mut()?.iter_mut().for_each(|v| *v = -*v),
+            Op::Two(function) => {
+                let (b, a) = (stack.pop()?, stack.pop()?);
+                stack.push(joined(function, a, b)?);
+            }
+            Op::S | Op::Field(_) | Op::Name(_) | Op::One(_) | Op::Branch { .. } | Op::Jump(_) => return None,
+        }
+    }
+    stack.pop()
+}
+
+fn joined(function: Two, a: Plane, b: Plane) -> Option<Plane> {
+    let number = |[value, slopes @ ..]: Plane| (slopes == [0.0; 2]).then_some(value);
+    Some(match (function, number(a), number(b)) {
+        (Two::Add, ..) => [0, 1, 2].map(|k| a[k] + b[k]),
+        (Two::Subtract, ..) => [0, 1, 2].map(|k| a[k] - b[k]),
+        (Two::Multiply, Some(factor), _) => b.map(|v| factor * v),
+        (Two::Multiply, _, Some(factor)) => a.map(|v| v * factor),
+        (Two::Divide, _, Some(divisor)) => a.map(|v| v / divisor),
+        (Two::Power, _, Some(1.0)) => a,
+        _ => return None,
+    })
 }

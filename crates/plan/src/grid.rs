@@ -71,8 +71,8 @@ fn discretisation(scene: &Scene, input: &GridInput) -> Decision {
     let why = match (scene.body().cells(), multiscale) {
         (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
         (Some(_), false) => "the modulus differs from cell to cell",
-        (None, _) if scene.body().constant_force().is_none() && scene.body().force.is_some() => {
-            "the body force differs from place to place"
+        (None, _) if scene.body().force_gradient().is_none() && scene.body().force.is_some() => {
+            "the body force differs from place to place, and not as a + b*x + c*y"
         }
         (None, _) => "as the scene says; boundary elements would do for one material",
     };

@@ -291,10 +291,13 @@ fn body_forces(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<D
     let several = scene.problem.has_several_bodies();
     let before = modelled.len();
     for body in &scene.problem.bodies {
-        let Some([x, y]) = body.constant_force() else { continue };
+        let Some([x, y]) = body.force.as_ref().filter(|_| body.force_gradient().is_some()) else { continue };
         let what = if several { format!("body force of {}", body.name) } else { "body force".to_owned() };
-        let why = "constant: carried by a particular solution on the boundary";
-        modelled.push(decision(&what, format!("({x}, {y})"), why));
+        let (choice, form) = match body.constant_force() {
+            Some([x, y]) => (format!("({x}, {y})"), "constant"),
+            None => (format!("({:?}, {:?})", x.text(), y.text()), "affine in x and y"),
+        };
+        modelled.push(decision(&what, choice, format!("{form}: carried by a particular solution on the boundary")));
     }
     if modelled.len() == before {
         left_out.push(decision("body force", "none", "the scene has none"));

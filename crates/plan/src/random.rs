@@ -264,12 +264,22 @@ fn of_sides(low: &Scene, high: &Scene, moved: &mut Moved, [change, size]: &mut [
     }
 }
 
-/// The same of body forces and the stress far away.
+/// The same of body forces, in the mean over the boundary, and the stress far away.
 fn of_bodies(low: &Scene, high: &Scene, moved: &mut Moved, [change, size]: &mut [f64; 2]) {
+    let outline = &low.problem.outline;
+    let points = outline.edges().iter().flat_map(|edge| {
+        let weight = edge.length() / (STEPS + 1) as f64;
+        (0..=STEPS).map(move |k| (edge.point(k as f64 / STEPS as f64), weight))
+    });
+    let points: Vec<([f64; 2], f64)> = points.collect();
+    let area_of = outline.area() / points.iter().map(|(_, weight)| weight).sum::<f64>();
     for (a, b) in low.problem.bodies.iter().zip(&high.problem.bodies) {
-        for (a, b) in a.constant_force().iter().flatten().zip(b.constant_force().iter().flatten()) {
-            *change += 0.25 * (b - a).powi(2) * low.problem.outline.area();
-            *size += (0.5 * (a + b)).powi(2) * low.problem.outline.area();
+        for (a, b) in a.force.iter().flatten().zip(b.force.iter().flatten()) {
+            for &([x, y], weight) in &points {
+                let [a, b] = [a, b].map(|f| f.eval(x, y, 0.0));
+                *change += 0.25 * (b - a).powi(2) * weight * area_of;
+                *size += (0.5 * (a + b)).powi(2) * weight * area_of;
+            }
         }
         if let (Some(a), Some(b)) = (&a.far, &b.far) {
             let both = || a.remote_stress.iter().zip(&b.remote_stress);

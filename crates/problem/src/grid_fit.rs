@@ -89,7 +89,7 @@ pub(super) fn check_edges(scene: &Scene) -> Result<(), DataError> {
     Ok(())
 }
 
-/// How a body in a medium is solved by boundary elements alone, whatever its outline, holes and constant force.
+/// How a body in a medium is solved by boundary elements alone, whatever its outline, holes and affine force.
 pub(super) const AS_TWO_BODIES: &str = "write the body and the medium as two [[body]] tables, the medium with medium = {} and the outline \
                                         of the body as one of its [[body.holes]], and an [[interface]] with tied = true";
 
@@ -97,8 +97,8 @@ pub(super) const AS_TWO_BODIES: &str = "write the body and the medium as two [[b
 pub(super) fn without_grid(scene: &Scene) -> String {
     let what = if scene.body().cells().is_some() {
         "give one Young's modulus, material.young"
-    } else if scene.body().force.is_some() && scene.body().constant_force().is_none() {
-        "give one constant body force"
+    } else if scene.body().force.is_some() && scene.body().force_gradient().is_none() {
+        "give a body force that is affine in x and y, a + b*x + c*y"
     } else if scene.problem.medium().is_some() {
         AS_TWO_BODIES
     } else {

@@ -136,9 +136,10 @@ impl Scene {
     /// of the body, or at the origin.
     pub fn particular_solution(&self, body: usize) -> Option<ParticularSolution> {
         let (of_body, material) = (&self.problem.bodies[body], self.problem.bodies[body].material());
-        if let Some(force) = of_body.constant_force() {
+        if let (Some(force), Some(gradient)) = (&of_body.force, of_body.force_gradient()) {
             let centre = self.problem.outline.centroid_of_body(body);
-            return Some(ParticularSolution::of_body_force(force, centre, &material));
+            let force = force.each_ref().map(|f| f.eval(centre[0], centre[1], 0.0));
+            return Some(ParticularSolution::of_affine_force(force, gradient, centre, &material));
         }
         let stress = of_body.far.as_ref()?.remote_stress;
         let stressed = stress != [0.0; 3];

@@ -9,8 +9,8 @@ use super::{
 };
 
 impl Scene {
-    /// The model that is used, never [`Model::Auto`]: boundary elements unless the material or the body force differs from
-    /// place to place; then multiscale finite elements, or finite elements where a coarse cell is one fine cell; with boundary
+    /// The model that is used, never [`Model::Auto`]: boundary elements unless the material differs from place to place, or the
+    /// body force otherwise than as a + b x + c y; then multiscale finite elements, or finite elements where a coarse cell is one fine cell; with boundary
     /// elements around them where there is a medium. Families of grids, and Galerkin in all germs, are finite elements.
     pub fn model(&self) -> Model {
         let of_fine_cells =
@@ -40,7 +40,7 @@ impl Scene {
     /// Whether boundary elements cannot answer the scene.
     fn varies(&self) -> bool {
         let in_medium = self.problem.tie().is_some();
-        let varies = !self.problem.has_several_bodies() && self.body().constant_force().is_none();
+        let varies = !self.problem.has_several_bodies() && self.body().force_gradient().is_none();
         let force = self.body().force.is_some() && (in_medium || varies);
         let holes = in_medium && self.problem.outline.loops().len() > 1;
         self.body().cells().is_some() || force || holes
@@ -76,7 +76,7 @@ impl Scene {
         }
     }
 
-    /// Boundary elements: one material, one force.
+    /// Boundary elements: one material, and a force that is affine in the place.
     fn check_uniform(&self) -> Result<(), DataError> {
         if self.body().cells().is_some() {
             let message = "boundary elements need one material, and [material.cells] has one for each cell".to_owned();
@@ -84,19 +84,22 @@ impl Scene {
             return Err(DataError::at(Kind::Conflict, &[vec!["method", "model"]], message, help));
         }
         let help = match self.problem.has_several_bodies() {
-            true => "give one constant force: among several bodies none is on a grid",
-            false => "give one constant force, or use model = \"auto\" with a [grid]",
+            true => "give a force a + b*x + c*y: among several bodies none is on a grid",
+            false => "give a force a + b*x + c*y, or use model = \"auto\" with a [grid]",
         };
-        self.force_that_varies(help).map_or(Ok(()), Err)
+        self.force_that_varies(help).map_or(Ok(()), Err)?;
+        self.problem.bodies.iter().flat_map(|body| &body.force).try_for_each(check_coefficients)
     }
 
-    /// What is wrong with a force that depends on the place.
+    /// What is wrong with a force that depends on the place otherwise than as an affine function.
     fn force_that_varies(&self, help: &str) -> Option<DataError> {
-        let varies = |f: &[Expression; 2]| f.iter().any(|f| f.constant().is_none());
-        let force = self.problem.bodies.iter().filter_map(|body| body.force.as_ref()).find(|f| varies(f))?;
-        let k = force.iter().position(|f| f.constant().is_none())?;
-        let text = force[k].text();
-        let message = format!("body_force.value[{k}] depends on the place: {text:?}; with boundary elements it cannot");
+        let mut forces = self.problem.bodies.iter().filter_map(|body| body.force.as_ref());
+        let varies = |f: &Expression| f.affine_in_place().is_none();
+        let (k, force) = forces.find_map(|force| force.iter().enumerate().find(|(_, f)| varies(f)))?;
+        let text = force.text();
+        let message = format!(
+            "body_force.value[{k}] depends on the place, and not as a + b*x + c*y: {text:?}; with boundary elements it cannot"
+        );
         Some(DataError::at(Kind::Value, &[vec!["body_force", "value", &k.to_string()]], message, help))
     }
 
@@ -107,7 +110,7 @@ impl Scene {
         let add = grid.map_or_else(|| without_grid(self), |grid| format!("add {grid}"));
         let asked = self.method.model != Model::Auto;
         if self.body().cells().is_none() && !asked {
-            let help = if fits { format!("give one constant force, or {add}") } else { add.clone() };
+            let help = if fits { format!("give a force a + b*x + c*y, or {add}") } else { add.clone() };
             if let Some(error) = self.force_that_varies(&help) {
                 return error;
             }
@@ -178,4 +181,20 @@ impl Scene {
             None => Ok(()),
         }
     }
+}
+
+/// Checks that the numbers of a force that is affine in the place are finite.
+///
+/// # Errors
+/// The first one that is not.
+pub(super) fn check_coefficients(force: &[Expression; 2]) -> Result<(), DataError> {
+    for (k, expression) in force.iter().enumerate() {
+        let coefficients = expression.affine_in_place().unwrap_or_default();
+        if let Some(number) = coefficients.into_iter().find(|v| !v.is_finite()) {
+            let what = if expression.constant().is_some() { "is" } else { "has the coefficient" };
+            let message = format!("body_force.value[{k}] {what} {number}: {:?}", expression.text());
+            return Err(DataError::new(Kind::Value, expression.place, message, "it must be finite"));
+        }
+    }
+    Ok(())
 }

@@ -3,6 +3,7 @@
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 
+use super::model::check_coefficients;
 use super::{
     CellModuli, Cells, Condition, Contact, DataError, DataErrorKind as Kind, Friction, Law, Random, Scene, Springs,
     Substance,
@@ -60,12 +61,7 @@ impl Scene {
         }
         for force in problem.bodies.iter_mut().filter_map(|body| body.force.as_mut()) {
             force.iter_mut().for_each(take);
-            for (k, expression) in force.iter().enumerate() {
-                if let Some(number) = expression.constant().filter(|v| !v.is_finite()) {
-                    let message = format!("body_force.value[{k}] is {number}: {:?}", expression.text());
-                    return Err(DataError::new(Kind::Value, expression.place, message, "it must be finite"));
-                }
-            }
+            check_coefficients(force)?;
         }
         Ok(outcome)
     }

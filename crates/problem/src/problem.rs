@@ -132,6 +132,14 @@ impl Body {
         Some([x.constant()?, y.constant()?])
     }
 
+    /// The derivatives [[∂x b_x, ∂y b_x], [∂x b_y, ∂y b_y]] of the force on it (stress/length²), if that is affine in the place by
+    /// its form: zero if it is the same everywhere.
+    pub fn force_gradient(&self) -> Option<[[f64; 2]; 2]> {
+        let [x, y] = self.force.as_ref()?;
+        let ([_, xx, xy], [_, yx, yy]) = (x.affine_in_place()?, y.affine_in_place()?);
+        Some([[xx, xy], [yx, yy]])
+    }
+
     /// Its cells, where they have moduli of their own.
     pub fn cells(&self) -> Option<&Cells> {
         if let Substance::Cells(cells) = &self.substance { Some(cells) } else { None }

@@ -34,8 +34,7 @@ impl Scene {
                 return refuse(Kind::Unsupported, "beside an unbounded medium", help);
             }
             if self.is_on_grid() {
-                let help =
-                    "give one material and a constant body force, which boundary elements solve, or leave them out";
+                let help = "give one material and a body force a + b*x + c*y, which boundary elements solve, or leave them out";
                 return refuse(Kind::Unsupported, "on a grid of finite elements", help);
             }
             if let Some(random) = &self.random {

@@ -232,8 +232,8 @@ fn distance(
         solve(scene, refinement.mesh(&scene.problem.outline)?, false, &mut PairCache::default(), observe)?;
     let mut difference = prolong(mesh, displacement, &exact);
     difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
-    if !exact.particular.is_empty() && scene.problem.outline.is_curved() {
-        // nodal values on curves are not the particular solution: the field without it counts
+    if !exact.particular.is_empty() {
+        // nodal values on curves, and those of low degree, are not the particular solution: the field without it counts
         let nodal = |mesh: &Mesh, space: &Space| {
             let mut nodal = vec![0.0; space.dofs()];
             for piece in pieces(&scene.problem, mesh, space) {

@@ -219,9 +219,9 @@ pub const CASES: &[Case] = &[
     of("[sides.lower.bottom]", "[sides.lower.botom]", 12, "botom", "has no side \"botom\"", "did you mean bottom"),
     of(
         "[[interface]]",
-        "[body_force]\nvalue = [\"0\", \"-x\"]\n[[interface]]",
+        "[body_force]\nvalue = [\"0\", \"-x*y\"]\n[[interface]]",
         17,
-        "\"-x\"",
+        "\"-x*y\"",
         "depends on the place",
         "among several bodies none is on a grid",
     ),

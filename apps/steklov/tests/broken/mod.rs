@@ -148,11 +148,11 @@ const OF_FORM: &[Case] = &[
     edit("[1.0, 0.5]", "[1.0, 1.5]", 15, "[1.0, 1.5]", "(1, 1.5) is not in the body", "move it into the body"),
     edit(
         "",
-        "[body_force]\nvalue = [\"0\", \"-9.81*y\"]\n",
+        "[body_force]\nvalue = [\"0\", \"-9.81*y^2\"]\n",
         21,
-        "\"-9.81*y\"",
+        "\"-9.81*y^2\"",
         "depends on the place",
-        "give one constant force, or add [grid] coarse = [4, 2], fine = [8, 8]",
+        "give a force a + b*x + c*y, or add [grid] coarse = [4, 2], fine = [8, 8]",
     ),
     // Geometry
     edit(

@@ -1,4 +1,4 @@
-//! A constant body force or a remote stress in the discrete problem: u = w + u_p, w without them.
+//! A body force that is affine in the place, or a remote stress, in the discrete problem: u = w + u_p, w without them.
 
 use std::ops::Range;
 
@@ -10,6 +10,9 @@ use steklov_quadrature::gauss_legendre;
 
 use crate::data::parts::{Assembled, Piece};
 use crate::energies::Energies;
+
+/// Gauss points on curved elements beyond the degree.
+const ON_CURVES: usize = 16;
 
 /// The particular solutions of bodies; bodies without a force or a stress far away have none.
 #[derive(Debug, Clone, Default)]
@@ -143,7 +146,7 @@ pub(crate) fn energies_of(
 fn crossed_work(field: &BoundaryField, particular: &ParticularSolution, mesh: &Mesh, space: &Space) -> f64 {
     let mut work = 0.0;
     for e in 0..mesh.len() {
-        let rule = gauss_legendre(space.degree(e) + 2);
+        let rule = gauss_legendre(space.degree(e) + if mesh.is_line(e) { 2 } else { ON_CURVES });
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             let (traction, u) = (field.trace(e, t).traction, particular.displacement(mesh.point(e, t)));
             work += w * mesh.speed(e, t) * plane::dot(traction, u);

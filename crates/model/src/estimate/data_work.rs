@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! held displacements    ∫ t·w,  w = u_D - I_p u_D              t: traction of the solution
+//! contact               ∫ t·w,  w = I_p u_p - u_p              u_p: particular solution, with which nodes are in contact
 //! Tresca's bounds       ∫ F r u_t - Σ D_i F_i |u_t,i|          λ_t = F r, |r| ≤ 1
 //! ```
 //! J is the minimum over u of the maximum over r of ½⟨S u, u⟩ - l(u) + ∫ F r u_t, so that its derivative by data is that of
@@ -22,17 +23,23 @@ use crate::solve::contact::{ContactFactors, ContactResult};
 use crate::solve::solution::Solved;
 
 impl OnMesh<'_> {
-    /// ∫ t·w over the held sides, without the particular solution in w (energy: force/thickness times length).
+    /// ∫ t·w over the held sides, without the particular solution in w, and over those that touch obstacles, where w is that of
+    /// the particular solution alone (energy: force/thickness times length).
     pub(crate) fn held_work(&self, solved: &Solved) -> Result<f64, SolveError> {
-        let mut work = 0.0;
+        let (mut work, none) = (0.0, Expression::number(0.0));
         for (side, condition) in self.scene.problem.sides.iter().enumerate() {
-            let Condition::Displacement { values, .. } = &condition.condition else { continue };
+            let touches = self.scene.contact(side).is_some() && self.scene.problem.joint(side).is_none();
+            let values = match &condition.condition {
+                Condition::Displacement { values, .. } => values.each_ref().map(Option::as_ref),
+                _ if touches => [Some(&none); 2],
+                _ => continue,
+            };
             let body = self.particular_of_side(&solved.particular, side);
             // the energies of an unbounded body are those of the field without the particular solution
             let bounded = self.scene.problem.bodies[self.scene.problem.body_of_side(side)].far.is_none();
             let of_all = body.filter(|_| bounded);
-            for (i, expression) in values.iter().enumerate() {
-                let Some(expression) = expression.as_ref().filter(|e| e.constant().is_none() || body.is_some()) else {
+            for (i, expression) in values.into_iter().enumerate() {
+                let Some(expression) = expression.filter(|e| e.constant().is_none() || body.is_some()) else {
                     continue;
                 };
                 let mut direction = [0.0; 2];
@@ -48,7 +55,7 @@ impl OnMesh<'_> {
         Ok(work)
     }
 
-    /// ∫ φ (f - I_p f) over a side, φ(e, t) of at most the degree of element e; on curves ∫ I_pφ (f - I_p f).
+    /// ∫ I_pφ (f - I_p f) over a side, φ(e, t) a function on element e.
     pub(crate) fn work_on_rest(
         &self,
         side: usize,
@@ -74,9 +81,8 @@ impl OnMesh<'_> {
             for (&t, weight) in rule.points.iter().zip(&rule.weights) {
                 basis.evaluate(t, &mut values);
                 let interpolant = |nodal: &[f64]| values.iter().zip(nodal).map(|(v, f)| v * f).sum::<f64>();
-                // the moments are those of the interpolant of φ, which on curves is not φ
-                let phi = if mesh.is_line(e) { phi(e, t) } else { interpolant(&weights) };
-                work -= mesh.speed(e, t) * weight * phi * interpolant(&nodal);
+                // the moments are those of the interpolant of φ
+                work -= mesh.speed(e, t) * weight * interpolant(&weights) * interpolant(&nodal);
             }
         }
         Ok(work)
