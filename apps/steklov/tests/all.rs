@@ -27,6 +27,7 @@ mod pictures_of_charts;
 mod pictures_of_grids;
 mod pictures_of_outcomes;
 mod place;
+mod printed;
 mod probes;
 mod python;
 mod random_input;
