@@ -254,7 +254,6 @@ fn a_degree_is_found_for_a_tolerance() {
         (affine, tension, "tolerance = 0.01"),
         (affine, tension, ""),
         ("exp(0.1*a + 0.1*b)", tension, "tolerance = 0.001"),
-        ("1.5 + b - 0.4*(a - 1)*2", tension, "tolerance = 0.001"),
         (affine, "contact = { gap = \"0.1\" }", "tolerance = 0.001"),
         (affine, "traction = [\"a\", 0]", "tolerance = 0.001"),
     ] {
