@@ -23,6 +23,7 @@ mod grid_contact;
 mod grid_identities;
 mod grid_limits;
 mod inclusions;
+mod linings;
 mod invariance;
 mod many_modes;
 mod media;

@@ -469,8 +469,8 @@ fn what_boundary_elements_on_both_sides_cannot_have_is_refused() {
     let hole = "traction_jump = [1, 0]\n[[body.holes]]\ncorners = [[0, 0], [0.1, 0], [0, 0.1]]\nsides = [\"a\", \"a\", \"a\"]\n[method]\nmodel = \"bem\"\n";
     for (rest, word) in [
         ("traction_jump = [1, 0]\n[method]\nindicator = \"residual\"\n", "residual indicator"),
-        ("[body_force]\nvalue = [0, 1]\n[method]\nmodel = \"bem\"\n", "body force"),
-        (hole, "holes"),
+        ("[body_force]\nvalue = [0, \"x*y\"]\n[method]\nmodel = \"bem\"\n", "body force"),
+        (&hole.replace("traction_jump = [1, 0]", "stress_jump = [1, 0, 0]"), "holes"),
     ] {
         let error = parse(&text(&SQUARE, m, m, rest), &[]).expect_err(word);
         assert!(

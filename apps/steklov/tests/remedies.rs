@@ -151,13 +151,21 @@ tied = true
 #[test]
 fn a_ring_in_a_medium_is_two_bodies() {
     let place = Place::new();
-    for overrides in [&[][..], &["grid.coarse=[4, 4]", "grid.fine=[4, 4]"], &["method.model=\"bem\""]] {
-        let err = refused(&place, RING, overrides);
-        assert!(err.contains("two [[body]] tables, the medium with medium = {}"), "{overrides:?}: {err}");
-        assert!(!err.contains("add [grid]"), "{overrides:?}: {err}");
-    }
+    let err = refused(&place, RING, &["exterior.stress_jump=[1, 0, 0]"]);
+    assert!(
+        err.contains("write exterior.stress_jump as exterior.traction_jump") && !err.contains("add [grid]"),
+        "{err}"
+    );
     place.write("two.toml", TWO_BODIES);
-    let o = place.json(0, &["two.toml", "--set", "method.tolerance=1e-6"]);
+    place.write("one.toml", RING);
+    let sharp = ["--set", "method.tolerance=1e-6"];
+    let two = place.json(0, &[&["two.toml"][..], &sharp].concat());
+    let grid = ["--set", "grid.coarse=[4, 4]"];
+    for more in [&[][..], &grid, &["--set", "method.model=\"bem\""]] {
+        let one = place.json(0, &[&["one.toml"][..], &sharp, more].concat());
+        assert_eq!((&one["energy"], &one["model"]), (&two["energy"], &two["model"]), "{more:?}");
+    }
+    let o = two;
     let (young, rock, nu) = (1000.0, 50.0, 0.3_f64);
     // u(r) = (1+ν)/E ((1-2ν) A r + B/r), σ_rr = A - B/r², of the medium u(b) = (1+ν)/E q b
     let of_ring = |q: f64| [(1.0 - 4.0 * q) / 3.0, (1.0 - q) * 4.0 / 3.0];

@@ -51,8 +51,8 @@ use steklov_bem_operators::{Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::{
-    Body, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, RandomConstants, Scene, Stochastic,
-    Substance, Tie, Units,
+    Body, DataError, DataErrorKind, FarField, GridInput, Law, Model, Problem, Random, RandomConstants, Scene,
+    Stochastic, Substance, Tie, Units,
 };
 
 use error::{ReadError, SceneErrorKind as Kind, located};
@@ -196,10 +196,14 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
         false => one_body(&fields, &of_body, cavity, &mut context)?,
     };
     let in_sides = context.used.take();
+    let method = method::method(fields.get("method"))?;
+    // boundary elements have the medium around a body with holes or a force as a body of its own
+    let separate =
+        matches!(method.model, Model::Auto | Model::Bem) && declared.is_empty() && problem.needs_separate_medium();
+    let problem = if separate { problem.with_separate_medium()? } else { problem };
     let around = problem.tie().is_some();
     let probe::Probes { points: probe, lines: probe_lines, sides: probe_sides } =
         fields.get("probe").map_or_else(|| Ok(Default::default()), |p| probe::probe(&p, &problem))?;
-    let method = method::method(fields.get("method"))?;
     let mut expect = Vec::new();
     if let Some(field) = fields.get("expect") {
         method::expect(&field, "", &mut expect)?;

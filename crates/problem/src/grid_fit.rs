@@ -90,17 +90,35 @@ pub(super) fn check_edges(scene: &Scene) -> Result<(), DataError> {
 }
 
 /// How a body in a medium is solved by boundary elements alone, whatever its outline, holes and affine force.
-pub(super) const AS_TWO_BODIES: &str = "write the body and the medium as two [[body]] tables, the medium with medium = {} and the outline \
+const AS_TWO_BODIES: &str = "write the body and the medium as two [[body]] tables, the medium with medium = {} and the outline \
                                         of the body as one of its [[body.holes]], and an [[interface]] with tied = true";
+
+/// How boundary elements alone solve a body in a medium that is not made a body of its own.
+pub(super) fn without_medium_around(scene: &Scene) -> &'static str {
+    if force_varies(scene) {
+        AFFINE
+    } else if scene.problem.tie().is_some_and(|tie| tie.stress_jump.is_some()) {
+        "write exterior.stress_jump as exterior.traction_jump"
+    } else {
+        AS_TWO_BODIES
+    }
+}
+
+/// Which forces boundary elements take.
+const AFFINE: &str = "give a body force that is affine in x and y, a + b*x + c*y";
+
+fn force_varies(scene: &Scene) -> bool {
+    scene.body().force.is_some() && scene.body().force_gradient().is_none()
+}
 
 /// How a body is solved without a grid.
 pub(super) fn without_grid(scene: &Scene) -> String {
     let what = if scene.body().cells().is_some() {
         "give one Young's modulus, material.young"
-    } else if scene.body().force.is_some() && scene.body().force_gradient().is_none() {
-        "give a body force that is affine in x and y, a + b*x + c*y"
+    } else if force_varies(scene) {
+        AFFINE
     } else if scene.problem.medium().is_some() {
-        AS_TWO_BODIES
+        without_medium_around(scene)
     } else {
         "leave method.model at \"auto\""
     };

@@ -47,6 +47,7 @@ mod probe;
 mod problem;
 mod random;
 mod random_check;
+mod separate;
 mod sides;
 mod signals;
 mod spans;

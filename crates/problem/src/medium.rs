@@ -5,7 +5,7 @@ use steklov_coupling::Radiation;
 use steklov_elastic::{Material, RigidMotion};
 use steklov_expression::Expression;
 
-use super::grid_fit::AS_TWO_BODIES;
+use super::grid_fit::without_medium_around;
 use super::{
     BasisInput, Condition, DataError, DataErrorKind as Kind, FarField, Indicator, Interface, Law, Model, Other,
     Problem, Scene, Tie,
@@ -309,12 +309,12 @@ impl Scene {
         if model == Model::Bem {
             if self.problem.outline.loops().len() > 1 {
                 let message = "boundary elements of a body in a medium cannot have holes in the body";
-                let help = format!("{AS_TWO_BODIES}; or use model = \"fem-bem\" with a [grid]");
+                let help = format!("{}; or use model = \"fem-bem\" with a [grid]", without_medium_around(self));
                 return refuse(Kind::Unsupported, &["body", "holes"], message, &help);
             }
             if self.body().force.is_some() {
                 let message = "boundary elements of a body in a medium carry no body force";
-                let help = format!("{AS_TWO_BODIES}; or use model = \"fem-bem\" with a [grid]");
+                let help = format!("{}; or use model = \"fem-bem\" with a [grid]", without_medium_around(self));
                 return refuse(Kind::Unsupported, &["body_force"], message, &help);
             }
             if self.method.indicator == Indicator::Residual {

@@ -2,7 +2,7 @@
 
 use steklov_expression::Expression;
 
-use super::grid_fit::{AS_TWO_BODIES, check_edges, fitting_grid, without_grid};
+use super::grid_fit::{check_edges, fitting_grid, without_grid, without_medium_around};
 use super::{
     BasisInput, DataError, DataErrorKind as Kind, GridInput, Indicator, Model, Multiplier, Random, Sampling, Scene,
     check_body, check_modulus_cells, grid_of, poisson_ratios,
@@ -121,7 +121,7 @@ impl Scene {
             (false, None) => ("a body with a force or holes in it, in a medium, needs a [grid]", vec!["body"]),
         };
         let no_grid = if fits { "" } else { ", and no grid has its outline" };
-        let help = if fits && key == ["body"] { format!("{AS_TWO_BODIES}; or {add}") } else { add };
+        let help = if fits && key == ["body"] { format!("{}; or {add}", without_medium_around(self)) } else { add };
         DataError::at(Kind::Missing, &[key], format!("{message}{no_grid}"), help)
     }
 

@@ -7,7 +7,7 @@
 //! a body in a medium             a body, a medium, an interface that ties them
 //! ```
 
-use steklov_bem_operators::{Edge, Loop, Polygon, PolygonError};
+use steklov_bem_operators::{Edge, Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 
@@ -210,10 +210,7 @@ impl Problem {
     /// # Errors
     /// A loop that outlines no hole.
     pub fn surround(&mut self, material: Material, far: FarField, tie: Tie) -> Result<(), PolygonError> {
-        let edges = &self.outline.edges()[self.outline.loops()[0].clone()];
-        let (corners, names) = edges.iter().map(|e| (e.listed()[0], self.sides[e.side].name.clone())).unzip();
-        let hole = Loop { paths: edges.iter().map(|e| e.path).collect(), ..Loop::straight(corners, names) };
-        Polygon::outside(vec![hole])?;
+        Polygon::outside(vec![self.outer_hole()])?;
         let sides = self.outer_sides();
         self.bodies.truncate(1);
         self.bodies.push(Body { far: Some(far), ..Body::new("medium", Substance::Homogeneous(material)) });
