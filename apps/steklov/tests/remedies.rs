@@ -160,7 +160,7 @@ fn a_ring_in_a_medium_is_two_bodies() {
     place.write("one.toml", RING);
     let sharp = ["--set", "method.tolerance=1e-6"];
     let two = place.json(0, &[&["two.toml"][..], &sharp].concat());
-    let grid = ["--set", "grid.coarse=[4, 4]"];
+    let grid = ["--set", "grid.coarse=[4, 4]", "--set", "grid.fine=[4, 4]"];
     for more in [&[][..], &grid, &["--set", "method.model=\"bem\""]] {
         let one = place.json(0, &[&["one.toml"][..], &sharp, more].concat());
         assert_eq!((&one["energy"], &one["model"]), (&two["energy"], &two["model"]), "{more:?}");
