@@ -60,6 +60,21 @@ fn bars_of_drawn_cells_have_their_closed_forms() {
     }
 }
 
+/// Beside a field that is drawn polynomials have the other germs: the tip is ∫ exp(-s g)/a, a uniform on [½, 3/2].
+#[test]
+fn other_germs_keep_their_polynomials() {
+    let [mean, variance] = exponential(16, 0.5, 0.3);
+    let field = "covariance = \"exponential\"\ncorrelation = [0.5, 1e9]\nmodes = \"all\"\n\
+                 [random.a]\ndistribution = \"uniform\"\nlow = 0.5\nhigh = 1.5";
+    let result = outcomes(&read(&bar([16, 4], "a*exp(0.3*g)", field, "method = \"corrected\"\ntolerance = 0.02")));
+    let (all, tip) = (3f64.ln() * mean, quantity(&result, TIP));
+    let square = 4.0 / 3.0 * (variance + mean * mean) - all * all;
+    let off = [(tip.mean - all) / tip.standard_error.unwrap(), (tip.variance - square) / tip.variance_error.unwrap()];
+    println!("{off:?} standard errors");
+    assert!(off.iter().all(|off| off.abs() < 3.5), "{off:?}");
+    assert_eq!(result.kept, Some((vec![1], 0.0)));
+}
+
 /// Independent values: Σ h exp(-s g_i) has the mean exp(s²/2) and the variance h exp(s²) (exp(s²) - 1); a germ a cell, or drawn.
 #[test]
 fn bars_of_independent_cells_have_their_closed_forms() {

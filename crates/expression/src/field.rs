@@ -154,9 +154,7 @@ impl RandomField {
         }
         Enclosure::fixed(Interval::new(value - off, value + off))
     }
-}
 
-impl RandomField {
     /// The values of a field that is drawn for germs of an interval: 0 for the germ 0, else any.
     fn drawn_range(&self, [a, b]: [f64; 2]) -> Enclosure {
         let off = if a == 0.0 && b == 0.0 { 0.0 } else { f64::INFINITY };

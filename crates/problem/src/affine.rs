@@ -15,6 +15,8 @@ const CORRECTED: &str = "take method = \"corrected\", which solves outcome by ou
 pub struct AffineModuli {
     /// E_0, then E_m of each germ (stress per unit of the germ); what dropped cells have is not checked.
     pub parts: Vec<Vec<f64>>,
+    /// The largest part of its mean that a modulus in the body loses where germs are at their ends, below 1.
+    pub largest_loss: f64,
 }
 
 impl Scene {
@@ -114,7 +116,11 @@ impl Scene {
             parts.push(slope);
         }
         match grid.body_cells().find(|&c| lowest[c].is_nan() || lowest[c] <= 0.0) {
-            None => Ok(AffineModuli { parts }),
+            None => {
+                let loss = |c: usize| 1.0 - lowest[c] / parts[0][c];
+                let largest_loss = grid.body_cells().map(loss).fold(0.0, f64::max);
+                Ok(AffineModuli { parts, largest_loss })
+            }
             Some(cell) => {
                 let ([x, y], value) = (grid.centre(cell), lowest[cell]);
                 let message = format!(

@@ -307,14 +307,13 @@ impl Scene {
             return refuse(Kind::Unsupported, &["random"], message, "leave out [random], or remove [exterior]");
         }
         if model == Model::Bem {
+            let help = format!("{}; or use model = \"fem-bem\" with a [grid]", without_medium_around(self));
             if self.problem.outline.loops().len() > 1 {
                 let message = "boundary elements of a body in a medium cannot have holes in the body";
-                let help = format!("{}; or use model = \"fem-bem\" with a [grid]", without_medium_around(self));
                 return refuse(Kind::Unsupported, &["body", "holes"], message, &help);
             }
             if self.body().force.is_some() {
                 let message = "boundary elements of a body in a medium carry no body force";
-                let help = format!("{}; or use model = \"fem-bem\" with a [grid]", without_medium_around(self));
                 return refuse(Kind::Unsupported, &["body_force"], message, &help);
             }
             if self.method.indicator == Indicator::Residual {

@@ -263,7 +263,7 @@ impl<'a> CellCovariance<'a> {
                 let place = |c: usize| c / ny * 2 * ny + c % ny;
                 let mut full = vec![0.0; 4 * nx * ny];
                 self.body.iter().zip(b).for_each(|(&c, b)| full[place(c)] = *b);
-                let product = circulant.apply(&full, |value| value);
+                let product = circulant.multiply(&full);
                 self.body.iter().zip(out).for_each(|(&c, out)| *out = product[place(c)]);
             }
         }

@@ -132,18 +132,13 @@ impl CellSamples {
         };
         Some(Self { cells, drawn: self.drawn.clone(), parts, unresolved })
     }
-}
 
-impl CellSamples {
-    /// The same law of values, drawn on a torus of their own cells instead of the smaller ones whose means they are, if there is
-    /// one: other outcomes of the germs at a lower cost.
-    #[must_use]
-    pub fn redrawn(&self) -> Self {
+    /// The same law of values, drawn on a torus of their own cells instead of the smaller ones whose means they are: other outcomes
+    /// of the germs at a lower cost. None for values that are no such means, or where there is no torus.
+    pub fn redrawn(&self) -> Option<Self> {
         match &*self.drawn {
-            Drawn::Embedded { covariance, .. } if self.parts > 1 => {
-                Self::new(covariance, self.cells.clone()).unwrap_or_else(|_| self.clone())
-            }
-            _ => self.clone(),
+            Drawn::Embedded { covariance, .. } if self.parts > 1 => Self::new(covariance, self.cells.clone()).ok(),
+            _ => None,
         }
     }
 }

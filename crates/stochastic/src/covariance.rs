@@ -21,6 +21,8 @@ pub enum Kernel {
 
 /// exp(-this) is nothing beside 1.
 const NOTHING: f64 = 40.0;
+/// More terms than the rule for K_ν has at any distance.
+const TERMS: i32 = 1000;
 
 impl Kernel {
     /// (1 + √3 r/ℓ) exp(-√3 r/ℓ): once differentiable paths.
@@ -81,7 +83,7 @@ fn matern(nu: f64, z: f64) -> f64 {
     let step = 0.6 / (z + nu + 8.0).sqrt();
     let power = nu * z.ln();
     let mut sum = 0.5 * (power - z).exp();
-    for k in 1.. {
+    for k in 1..TERMS {
         let t = f64::from(k) * step;
         let damped = power - z * t.cosh();
         let term = 0.5 * ((damped + nu * t).exp() + (damped - nu * t).exp());

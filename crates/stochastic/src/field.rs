@@ -170,7 +170,7 @@ impl Field {
     /// The field with other outcomes of its germs, but the same law, where they cost less: see [`CellSamples::redrawn`].
     pub fn redrawn(&self) -> Option<Self> {
         match &self.expansion {
-            Expansion::Drawn(samples) => Some(samples.redrawn().into()),
+            Expansion::Drawn(samples) => samples.redrawn().map(Into::into),
             _ => None,
         }
     }

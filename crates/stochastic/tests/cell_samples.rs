@@ -99,6 +99,36 @@ fn outcomes_are_functions_of_their_germ() {
     }
 }
 
+/// Means of drawn cells over larger ones have the covariance of means over those, and so have values drawn on larger cells.
+#[test]
+fn larger_cells_have_one_law() {
+    for kernel in KERNELS {
+        let covariance = Covariance { kernel, correlation: [0.6, 0.3] };
+        let coarse = CellSamples::new(&covariance, cells([8, 4], [0.125; 2])).unwrap().coarsened().unwrap();
+        let own = coarse.redrawn().expect("a torus of larger cells");
+        assert!(own.redrawn().is_none() && own.cells().size == coarse.cells().size);
+        assert!((own.unresolved() - coarse.unresolved()).abs() < 1e-15);
+        // by means of pairs of points, a 16 × 16 rule in each cell; |c| and distances are those of cells of ¼
+        let point = |c: usize, k: usize| {
+            let along = |cell: usize, part: usize| 0.25 * (cell as f64 + (part as f64 + 0.5) / 16.0);
+            [along(c / 2, k / 16), along(c % 2, k % 16)]
+        };
+        let mean = |i: usize, j: usize| {
+            let pairs = (0..256 * 256).map(|k| (point(i, k / 256), point(j, k % 256)));
+            pairs.map(|(a, b)| covariance.on_rectangle(a[0] - b[0], a[1] - b[1])).sum::<f64>() / 256f64.powi(2)
+        };
+        let from_first: Vec<f64> = (0..8).map(|c| mean(0, c)).collect();
+        let expected = |i: usize, j: usize| from_first[(i / 2).abs_diff(j / 2) * 2 + (i % 2).abs_diff(j % 2)];
+        for (samples, name) in [(&coarse, "means"), (&own, "redrawn")] {
+            let off = sampled(samples, expected);
+            println!("{kernel:?}, {name}: {off} standard errors at most of 36");
+            assert!(off < 4.0, "{kernel:?} {name}: {off}");
+        }
+    }
+    let uniform = CellSamples::independent(cells([4, 4], [1.0; 2]), false).unwrap();
+    assert!(uniform.coarsened().unwrap().redrawn().is_none(), "means of uniform values are not uniform");
+}
+
 /// Smooth fields of long correlation take larger tori, or have none.
 #[test]
 fn tori_that_have_no_covariance_are_refused() {

@@ -6,7 +6,7 @@
 //! ```
 
 use rayon::prelude::*;
-use steklov_msfem::Grid;
+use steklov_msfem::{Grid, HeterogeneousBody};
 use steklov_problem::{AffineModuli, Random, Scene, Stochastic};
 use steklov_stochastic::{Coupled, Moments, Points, TotalDegree, Variable, density, quantiles, sample, smolyak};
 
@@ -15,7 +15,7 @@ use super::in_body::BodyMoments;
 use super::number::Number;
 use super::on_grid::{OutcomesOnGrid, numbers_of};
 use super::outcomes::Answer;
-use super::result::{BINS, BLOCK, Cells, End, KEPT, OVERLOOKED, Quantity, StochasticResult, Watch, bounds, of_grid};
+use super::result::{BINS, BLOCK, Cells, End, KEPT, OVERLOOKED, StochasticResult, Watch, bounds, of_grid};
 use super::unseen::SAFETY;
 use crate::error::SolveError;
 use crate::grid::{AffineGrid, GridLayout, OfBlock};
@@ -28,10 +28,13 @@ const FRESH: usize = 16;
 const TOGETHER: usize = 32;
 /// The degree from which on a tolerance is sought: of the one before, no fall of the degrees is known.
 const FIRST: usize = 2;
+/// The highest degree that is tried, and the most polynomials.
+const HIGHEST: usize = 64;
+const POLYNOMIALS: f64 = 1e6;
 /// Most coefficients of displacements that a degree is raised to: four gigabytes, with the directions of the solver.
 const MEMORY: f64 = 1e8;
-/// Largest ratio of one degree to the one below that is believed to fall.
-const SLOWEST: f64 = 0.95;
+/// A loss of moduli is not taken as nearer to 1.
+const SLOWEST: f64 = 1.0 - 1e-8;
 /// Relative to the mean square, variances below this are rounding.
 const NO_VARIANCE: f64 = 1e-20;
 
@@ -58,13 +61,21 @@ struct Polynomials {
     iterations: usize,
 }
 
-/// What fresh outcomes show.
-struct Measured {
-    outcomes: usize,
-    /// Mean squared residual of each quantity.
+/// A fresh outcome: its germs, quantities, displacement, and the body of its moduli.
+struct Fresh {
+    germs: Vec<f64>,
     quantities: Vec<f64>,
-    /// Error of the displacement over its size, in the energy norm and in mean square.
-    relative: f64,
+    displacement: Vec<f64>,
+    body: HeterogeneousBody,
+}
+
+/// What the polynomials leave out.
+struct Truncation {
+    /// Of each quantity, root mean square.
+    quantities: Vec<f64>,
+    /// Of the displacement over its size, in the energy norm and in mean square: estimated, and as fresh outcomes show it.
+    estimated: f64,
+    measured: f64,
 }
 
 /// Solves for all outcomes at once and gathers their statistics.
@@ -75,54 +86,30 @@ struct Measured {
 /// # Errors
 /// Moduli that some outcome makes 0 or negative; an outcome that cannot be solved; [`SolveError::Interrupted`].
 pub(super) fn of_affine(asked: &Asked<'_>, grid: &Grid, watch: &Watch<'_>) -> Result<StochasticResult, SolveError> {
-    let (scene, random) = (&asked.outcomes.scene, asked.random);
-    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
-    let moduli = scene.affine_moduli(random, grid)?;
-    let Stochastic { degree, of_deviation, tolerance, max_nodes, .. } = random.stochastic;
-    if !of_deviation {
-        return of_degree(asked, degree, (&moduli, grid), &variables, watch);
-    }
-    let mut degree = FIRST;
-    loop {
-        let mut result = of_degree(asked, degree, (&moduli, grid), &variables, watch)?;
-        if result.quantities.iter().all(|q| is_reached(q, tolerance)) {
-            result.end = End::Tolerance;
-            return Ok(result);
-        }
-        let next = (result.solved as f64) * (variables.len() + degree + 1) as f64 / (degree + 1) as f64;
-        if next > max_nodes as f64 || next * 2.0 * grid.nodes() as f64 > MEMORY {
-            result.end = End::MaxNodes;
-            return Ok(result);
+    let (scene, settings) = (&asked.outcomes.scene, &asked.random.stochastic);
+    let variables: Vec<Variable> = asked.random.germs.iter().map(|g| g.variable.clone()).collect();
+    let moduli = scene.affine_moduli(asked.random, grid)?;
+    let means: Vec<f64> = variables.iter().map(Variable::mean).collect();
+    let mean = scene.outcome(&means)?;
+    let equations = AffineGrid::new(&mean, asked.layout, &moduli)?;
+    let mut degree = if settings.of_deviation { FIRST } else { settings.degree };
+    let mut fresh: Vec<Fresh> = Vec::new();
+    let (polynomials, truncation, end) = loop {
+        watch.check()?;
+        let basis = TotalDegree::new(&variables, degree)?;
+        let polynomials = polynomials(asked, basis, (&equations, &moduli), &variables, watch)?;
+        draw(&mut fresh, polynomials.energies.len(), asked, &variables, watch)?;
+        let truncation = polynomials.truncation(&fresh, moduli.largest_loss);
+        if let Some(end) = polynomials.end(&truncation, settings) {
+            break (polynomials, truncation, end);
         }
         degree += 1;
-    }
-}
-
-/// Whether the mean of a quantity is within a part of its deviation: by the orthogonality of Galerkin's equations its error is the
-/// product of what the polynomials of the solution and of the quantity's dual leave out, (truncation/deviation)² of the deviation.
-fn is_reached(quantity: &Quantity, tolerance: f64) -> bool {
-    let Quantity { mean, variance, truncation, .. } = quantity;
-    let varies = *variance > NO_VARIANCE * (mean * mean + variance);
-    !varies || truncation.is_some_and(|truncation| truncation * truncation <= tolerance * variance)
-}
-
-fn of_degree(
-    asked: &Asked<'_>,
-    degree: usize,
-    (moduli, grid): (&AffineModuli, &Grid),
-    variables: &[Variable],
-    watch: &Watch<'_>,
-) -> Result<StochasticResult, SolveError> {
-    let (scene, random) = (&asked.outcomes.scene, asked.random);
-    let basis = TotalDegree::new(variables, degree)?;
-    watch.check()?;
-    let polynomials = polynomials(asked, basis, moduli, variables, watch)?;
-    watch.check()?;
-    let measured = polynomials.measured(asked, variables, watch)?;
-    let points = points(variables, degree, random.stochastic.max_nodes)?;
-    let mut result = polynomials.at_points(asked, points, (moduli, grid))?;
-    polynomials.add_samples(scene, random, variables, &mut result, watch)?;
-    polynomials.add_truncation(random, variables, &measured, &mut result);
+    };
+    let points = points(&variables, degree, settings.max_nodes)?;
+    let mut result = polynomials.at_points(asked, points, (&moduli, grid))?;
+    polynomials.add_samples(scene, asked.random, &variables, &mut result, watch)?;
+    polynomials.add_truncation(settings, &variables, &truncation, &mut result);
+    (result.checks, result.end) = (fresh.len(), end);
     Ok(result)
 }
 
@@ -141,13 +128,10 @@ fn points(variables: &[Variable], degree: usize, most: usize) -> Result<Points, 
 fn polynomials(
     asked: &Asked<'_>,
     basis: TotalDegree,
-    moduli: &AffineModuli,
+    (equations, moduli): (&AffineGrid<'_>, &AffineModuli),
     variables: &[Variable],
     watch: &Watch<'_>,
 ) -> Result<Polynomials, SolveError> {
-    let means: Vec<f64> = variables.iter().map(Variable::mean).collect();
-    let mean = asked.outcomes.scene.outcome(&means)?;
-    let equations = AffineGrid::new(&mean, asked.layout, moduli)?;
     let solved = equations.solve(&basis, SOLVED)?;
     let (count, n) = (basis.degrees().len(), solved.blocks.len() / basis.degrees().len());
     let rows: Vec<Vec<Coupled>> = basis.products();
@@ -205,37 +189,6 @@ impl Polynomials {
             sum.iter_mut().zip(v).for_each(|(s, v)| *s += p * v);
         }
         sum
-    }
-
-    /// Fresh outcomes beside the polynomials.
-    fn measured(&self, asked: &Asked<'_>, variables: &[Variable], watch: &Watch<'_>) -> Result<Measured, SolveError> {
-        let (settings, count) = (&asked.random.stochastic, self.basis.degrees().len());
-        let n = self.blocks.len() / count;
-        let outcomes = wanted(settings, count).min(FRESH);
-        let one = |i: usize| {
-            watch.check()?;
-            let germs = sample(variables, settings.seed ^ STREAM, i as u64);
-            let (scene, solved) = asked.outcomes.solve(&germs)?;
-            let psi = self.basis.values(&germs);
-            let answer = numbers_of(&scene, &solved, asked.numbers);
-            let foreseen = self.quantities.iter().map(|q| self.value(&psi, q));
-            let squares = answer.quantities.iter().zip(foreseen).map(|(v, f)| (v - f).powi(2)).collect();
-            let mut off = self.field(&psi, self.blocks.chunks(n));
-            off.iter_mut().zip(&solved.displacement).for_each(|(e, u)| *e -= u);
-            let u = &solved.displacement;
-            Ok::<(Vec<f64>, [f64; 2]), SolveError>((
-                squares,
-                [solved.body.energy(&off, &off), solved.body.energy(u, u)],
-            ))
-        };
-        let all: Vec<(Vec<f64>, [f64; 2])> = (0..outcomes).into_par_iter().map(one).collect::<Result<_, _>>()?;
-        let [error, size] = [0, 1].map(|k| all.iter().map(|(_, energies)| energies[k]).sum::<f64>());
-        let square = |k: usize| all.iter().map(|(squares, _)| squares[k]).sum::<f64>() / outcomes as f64;
-        Ok(Measured {
-            outcomes,
-            quantities: (0..self.quantities.len()).map(square).collect(),
-            relative: if size > 0.0 { (error / size).max(0.0).sqrt() } else { 0.0 },
-        })
     }
 
     /// The values at points, and the moments from the coefficients.
@@ -319,42 +272,126 @@ impl Polynomials {
         sums
     }
 
-    /// Adds the error of the truncation: estimated, the degrees above p falling as the last ones do, or measured by fresh
-    /// outcomes if that is more; both half as much again.
-    fn add_truncation(
-        &self,
-        random: &Random,
-        variables: &[Variable],
-        measured: &Measured,
-        result: &mut StochasticResult,
-    ) {
+    /// Mean squares of what fresh outcomes show to be left out: of each quantity, and of the displacement over its own.
+    fn measured(&self, fresh: &[Fresh]) -> (Vec<f64>, f64) {
+        let n = self.blocks.len() / self.energies.len();
+        let of = |one: &Fresh| {
+            let psi = self.basis.values(&one.germs);
+            let foreseen = self.quantities.iter().map(|q| self.value(&psi, q));
+            let squares: Vec<f64> = one.quantities.iter().zip(foreseen).map(|(v, f)| (v - f).powi(2)).collect();
+            let mut off = self.field(&psi, self.blocks.chunks(n));
+            off.iter_mut().zip(&one.displacement).for_each(|(e, u)| *e -= u);
+            (squares, one.body.energy(&off, &off), one.body.energy(&one.displacement, &one.displacement))
+        };
+        let all: Vec<(Vec<f64>, f64, f64)> = fresh.par_iter().map(of).collect();
+        let (error, size) = all.iter().fold((0.0, 0.0), |(error, size), one| (error + one.1, size + one.2));
+        let square = |k: usize| all.iter().map(|(squares, ..)| squares[k]).sum::<f64>() / fresh.len() as f64;
+        let relative = if size > 0.0 { (error / size).max(0.0) } else { 0.0 };
+        ((0..self.quantities.len()).map(square).collect(), relative)
+    }
+
+    /// What is left out, by T_p, the root mean square of the coefficients of degree p, or by fresh outcomes if they show more; both
+    /// half as much again.
+    ///
+    /// The equations of degree p give T_p = c/2 T_(p-1) for moduli 1 + c x, x in [-1, 1], and what is left out solves K(ξ) e = r
+    /// with r = c/2 T_p ψ_(p+1): E e² = (c/2)² T_p² E ψ²_(p+1)/(1 + c x)², which tends to (c/2)² T_p² (1 - c²)^(-3/2). Several
+    /// germs have the c of the last two degrees, which is at most the loss of the moduli.
+    fn truncation(&self, fresh: &[Fresh], loss: f64) -> Truncation {
         let p = self.basis.degree();
         let energies = self.by_degree(self.energies.iter().copied());
         let total: f64 = energies.iter().sum();
-        let fall = |above: f64, below: f64| if below > 0.0 { (above / below).sqrt().min(SLOWEST) } else { 0.0 };
-        let ratio = if p == 0 { SLOWEST } else { fall(energies[p], energies[p - 1]) };
-        // √(Σ_(k > p) T_k²) for T_k falling by the ratio, of a quantity whose degrees alternate from the one before the last
-        let rest = ratio / (1.0 - ratio * ratio).sqrt();
-        for (quantity, (coefficients, squared)) in
-            result.quantities.iter_mut().zip(self.quantities.iter().zip(&measured.quantities))
-        {
+        let most = 0.5 * loss.min(SLOWEST);
+        let fall = |above: f64, below: f64| if below > 0.0 { (above / below).sqrt().min(most) } else { 0.0 };
+        let ratio = if p == 0 { most } else { fall(energies[p], energies[p - 1]) };
+        let rest = ratio * (1.0 - 4.0 * ratio * ratio).powf(-0.75);
+        let (squares, relative) = self.measured(fresh);
+        let of = |(coefficients, squared): (&Vec<f64>, f64)| {
             let parts = self.by_degree(coefficients.iter().map(|c| c * c));
+            // degrees of symmetric quantities alternate
             let before = if p > 1 { ratio * parts[p - 1].sqrt() } else { 0.0 };
-            let estimated = parts[p].sqrt().max(before) * rest;
-            quantity.truncation = Some(SAFETY * estimated.max(squared.sqrt()));
+            SAFETY * (parts[p].sqrt().max(before) * rest).max(squared.sqrt())
+        };
+        Truncation {
+            quantities: self.quantities.iter().zip(squares).map(of).collect(),
+            estimated: if total > 0.0 { SAFETY * rest * (energies[p] / total).sqrt() } else { 0.0 },
+            measured: relative.sqrt(),
         }
-        let estimated = if total > 0.0 { SAFETY * rest * (energies[p] / total).sqrt() } else { 0.0 };
+    }
+
+    /// Why no higher degree is solved, if none is: the degree is given, the means have the tolerance, or the next degree is too
+    /// high or has too many polynomials.
+    fn end(&self, truncation: &Truncation, settings: &Stochastic) -> Option<End> {
+        if !settings.of_deviation {
+            return Some(End::Solved);
+        }
+        let varying = (self.energies[1..].iter().sum::<f64>() / self.energies[0].max(f64::MIN_POSITIVE)).sqrt();
+        let allowed = settings.tolerance / (2.0 * varying).max(1.0);
+        if self.quantities.iter().zip(&truncation.quantities).all(|(q, left_out)| is_reached(q, *left_out, allowed)) {
+            return Some(End::Tolerance);
+        }
+        let (p, d, count) = (self.basis.degree(), self.basis.degrees()[0].len(), self.energies.len() as f64);
+        if p == HIGHEST {
+            return Some(End::Rounds);
+        }
+        let growth = (d + p + 1) as f64 / (p + 1) as f64;
+        let most = POLYNOMIALS.min(settings.max_nodes as f64);
+        (count * growth > most || self.blocks.len() as f64 * growth > MEMORY).then_some(End::MaxNodes)
+    }
+
+    /// Adds what is left out, and the degree.
+    fn add_truncation(
+        &self,
+        settings: &Stochastic,
+        variables: &[Variable],
+        truncation: &Truncation,
+        result: &mut StochasticResult,
+    ) {
+        let (p, energies) = (self.basis.degree(), self.by_degree(self.energies.iter().copied()));
+        for (quantity, left_out) in result.quantities.iter_mut().zip(&truncation.quantities) {
+            quantity.truncation = Some(*left_out);
+        }
         let share = |m: usize| {
             let of_germ = self.basis.degrees().iter().zip(self.basis.totals()).zip(&self.energies);
             let highest = of_germ.filter(|((_, k), _)| *k == p && p > 0);
             highest.map(|((a, _), e)| a[m] as f64 / p as f64 * e).sum::<f64>() / energies[p].max(f64::MIN_POSITIVE)
         };
-        result.truncation = Some(estimated.max(measured.relative));
-        result.truncation_measured = Some(measured.relative);
+        let Truncation { estimated, measured, .. } = *truncation;
+        result.truncation = Some(estimated.max(measured));
+        result.truncation_measured = Some(measured);
         result.truncation_by_germ = (0..variables.len()).map(|m| share(m) * estimated * estimated).collect();
-        result.overlooked = measured.relative > OVERLOOKED * estimated.max(random.stochastic.tolerance);
-        result.checks = measured.outcomes;
+        result.overlooked = measured > OVERLOOKED * estimated.max(settings.tolerance);
         let end = |k: usize| vec![variables.iter().map(|v| v.germ_support()[k]).collect()];
         result.cells = Some(Cells { low: end(0), high: end(1), degree: vec![vec![p; variables.len()]] });
     }
+}
+
+/// Whether (truncation/deviation)² of a quantity with these coefficients is allowed. By the orthogonality of Galerkin's equations
+/// the error of its mean is the product of what the polynomials of the solution and of the quantity's dual leave out, in the
+/// norm of K(ξ) ≤ 2 K_0: 2 V (truncation/deviation)² of the deviation for a solution that varies by V times its mean.
+fn is_reached(coefficients: &[f64], left_out: f64, allowed: f64) -> bool {
+    let variance: f64 = coefficients[1..].iter().map(|c| c * c).sum();
+    let varies = variance > NO_VARIANCE * (coefficients[0] * coefficients[0] + variance);
+    !varies || left_out * left_out <= allowed * variance
+}
+
+/// Draws fresh outcomes beside `count` polynomials, as many as they need.
+fn draw(
+    fresh: &mut Vec<Fresh>,
+    count: usize,
+    asked: &Asked<'_>,
+    variables: &[Variable],
+    watch: &Watch<'_>,
+) -> Result<(), SolveError> {
+    let settings = &asked.random.stochastic;
+    let one = |i: usize| {
+        watch.check()?;
+        let germs = sample(variables, settings.seed ^ STREAM, i as u64);
+        let (scene, solved) = asked.outcomes.solve(&germs)?;
+        let quantities = numbers_of(&scene, &solved, asked.numbers).quantities;
+        Ok(Fresh { germs, quantities, displacement: solved.displacement, body: solved.body })
+    };
+    let more: Result<Vec<Fresh>, SolveError> =
+        (fresh.len()..wanted(settings, count).min(FRESH)).into_par_iter().map(one).collect();
+    fresh.extend(more?);
+    Ok(())
 }

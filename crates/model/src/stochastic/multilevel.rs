@@ -60,8 +60,7 @@ fn family<'a>(scene: &Scene, random: &'a Random, layout: &GridLayout) -> Result<
     let mut family: Vec<Grid<'_>> = Vec::new();
     let mut next = Some((scene.clone(), layout.clone()));
     while let Some((given, layout)) = next.take().filter(|_| family.len() < LEVELS) {
-        let redrawn = given.redrawn().filter(|_| !family.is_empty());
-        let (scene, of_finer) = match redrawn {
+        let (scene, of_finer) = match given.redrawn() {
             Some(own) => (own, Some(given)),
             None => (given, None),
         };
