@@ -239,3 +239,75 @@ fn what_cannot_be_studied_is_refused() {
     }
     assert_eq!(place.names(), before);
 }
+
+/// A bar in tension of E = ½ (1 + ½ a) in half of its cells and ½ (1 + ½ b) in the others, a and b uniform on [-1, 1]: the end
+/// moves by the mean of two independent 2/(1 + ½ a). Galerkin and sparse grids have Gauss rules and Legendre polynomials of a
+/// function with a pole at -2, whose coefficients fall by 2 + √3; samples err by what they tell.
+#[test]
+fn grids_are_studied_by_all_methods_that_solve_them() {
+    let text = r#"
+title = "Bar of two random halves"
+[body]
+corners = [[0, 0], [1, 0], [1, 0.5], [0, 0.5]]
+sides = ["bottom", "end", "top", "clamp"]
+[material]
+poisson = 0.0
+[material.cells]
+size = 0.125
+young = "0.5*(1 + 0.5*a*if(x < 0.5, 1, 0) + 0.5*b*if(x < 0.5, 0, 1))"
+[grid]
+coarse = [8, 4]
+fine = [1, 1]
+[sides.clamp]
+displacement = [0, "free"]
+[sides.bottom]
+displacement = ["free", 0]
+[sides.end]
+traction = [1, 0]
+[probe]
+points = [[1, 0]]
+[method]
+refine = "none"
+[random]
+a = { distribution = "uniform", low = -1, high = 1 }
+b = { distribution = "uniform", low = -1, high = 1 }
+[stochastic]
+samples = 1000
+quantities = ["probe.0.displacement.x"]
+"#;
+    let place = Place::new();
+    let (o, out) = run_study(&place, text);
+    let tip = called(&o["chance"]["quantities"], "probe.0.displacement.x");
+    let mean = 2.0 * 3f64.ln();
+    let variance = 2.0 * 0.25 * (4.0 / (0.5 * 1.5) - mean * mean);
+    for (name, exact) in [("mean", mean), ("variance", variance)] {
+        let found = tip[name].as_f64().unwrap();
+        assert!((found / exact - 1.0).abs() < 1e-9, "{name}: {found} {exact}");
+    }
+    let rule = |name: &str| called(&tip["rules"], name);
+    let used = |name: &str| !rule(name)["points"].as_array().unwrap().is_empty();
+    for name in ["one element of degree q", "elements of degree 1", "elements of degree 3", "adaptive stochastic mesh"]
+    {
+        assert!(!used(name), "{name}");
+    }
+    // the mean errs by the square of what is left out, (2 + √3)^(-2p - 2), a variance by that too
+    let errors = column(rule("Galerkin, total degree"), "mean_error");
+    let ratios: Vec<f64> = errors[1..6].windows(2).map(|e| e[0] / e[1]).collect();
+    println!("Galerkin: {errors:?}, ratios {ratios:?}");
+    assert!(ratios.iter().all(|r| (r / (2.0 + 3f64.sqrt()).powi(2) - 1.0).abs() < 0.1), "{ratios:?}");
+    let sparse = column(rule("sparse grid"), "mean_error");
+    assert!(sparse.len() == 6 && sparse.windows(2).all(|e| e[1] < 0.2 * e[0]), "{sparse:?}");
+    for name in ["corrected polynomials", "multilevel Monte Carlo", "Monte Carlo"] {
+        let [errors, standard, seconds] =
+            ["mean_error", "mean_standard_error", "seconds"].map(|key| column(rule(name), key));
+        println!("{name}: {errors:?} ± {standard:?}");
+        assert!(errors.iter().zip(&standard).skip(2).all(|(e, s)| e < &(4.0 * s)), "{name}: {errors:?} {standard:?}");
+        assert!(seconds.iter().all(|s| s.is_finite()), "{seconds:?}");
+    }
+    assert_eq!((&o["complete"], &o["solvers"]), (&json!(true), &Value::Null));
+    assert!(o["space"]["curves"].as_array().unwrap().iter().all(|c| c["points"] == json!([])));
+    assert!(out.contains("Galerkin of total degree 11") && out.contains("of boundary elements alone"), "{out}");
+    let files = "mean-probe-0-displacement-x-seconds.png mean-probe-0-displacement-x-seconds.svg stochastic.csv stochastic.h5 \
+                 variance-probe-0-displacement-x-seconds.png variance-probe-0-displacement-x-seconds.svg";
+    assert_eq!(names(&place.path("scene-stochastic")).join(" "), files);
+}

@@ -1,7 +1,6 @@
 //! The plan of a scene on a grid.
 
 use steklov_elastic::RigidMotion;
-use steklov_model::data::supports::free_of_supports;
 use steklov_problem::{
     BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, Surroundings, bounding_box, grid_of,
 };
@@ -30,7 +29,7 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
         far_away(scene, &mut modelled, &mut left_out);
     }
     contact(scene, &mut modelled, &mut left_out);
-    let free = free_of_supports(scene);
+    let free = scene.free_of_supports(None);
     modelled.push(if in_medium {
         decision("supports", "none is needed", "the medium holds the body")
     } else if free.is_empty() {

@@ -2,7 +2,6 @@
 
 use steklov_elastic::RigidMotion;
 use steklov_expression::Expression;
-use steklov_model::data::supports::{free_of_supports, free_of_supports_of};
 use steklov_problem::{Scene, Springs};
 
 use crate::{Decision, decision};
@@ -18,7 +17,7 @@ fn supports_of_several(scene: &Scene) -> Decision {
     let problem = &scene.problem;
     let loose: Vec<String> = (0..problem.outline.bodies().len())
         .filter_map(|body| {
-            let free = scene.unresisted(body, free_of_supports_of(scene, Some(body)));
+            let free = scene.unresisted(body, scene.free_of_supports(Some(body)));
             (!free.is_empty()).then(|| format!("{} ({})", problem.bodies[body].name, RigidMotion::names(&free)))
         })
         .collect();
@@ -35,7 +34,7 @@ fn supports(scene: &Scene) -> Decision {
     if scene.problem.has_several_bodies() {
         return supports_of_several(scene);
     }
-    let free = scene.unresisted(0, free_of_supports(scene));
+    let free = scene.unresisted(0, scene.free_of_supports(None));
     let (choice, why) = if !free.is_empty() {
         let choice = format!("leave {} free", RigidMotion::names(&free));
         (choice, "contact or friction must hold it, or the loads must be balanced")

@@ -20,7 +20,7 @@ pub struct AffineModuli {
 }
 
 impl Scene {
-    /// Whether [`Sampling::Galerkin`] solves the scene, of a body on a grid that a side holds, with moduli that stay positive.
+    /// Whether [`Sampling::Galerkin`] solves the scene, of a body on a grid that supports hold, with moduli that stay positive.
     pub fn takes_galerkin(&self) -> bool {
         let mut scene = self.clone();
         let Some(random) = &mut scene.random else { return false };
@@ -28,8 +28,8 @@ impl Scene {
             Stochastic { method: Sampling::Galerkin, elements: 1, refine: false, ..random.stochastic.clone() };
         random.stochastic = stochastic;
         let Some(random) = &scene.random else { return false };
-        let held = scene.problem.sides.iter().any(|side| side.holds(0) && side.holds(1));
         let positive = || grid_of(&scene).is_ok_and(|grid| scene.affine_moduli(random, &grid).is_ok());
+        let held = scene.free_of_supports(None).is_empty();
         held && scene.is_on_grid() && scene.check_affine(random).is_ok() && positive()
     }
 

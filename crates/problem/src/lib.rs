@@ -52,6 +52,7 @@ mod sides;
 mod signals;
 mod spans;
 mod springs;
+mod supports;
 mod units;
 
 // the crates whose types appear in the interface

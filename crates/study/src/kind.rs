@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use steklov_document::Document;
 use steklov_picture::PictureError;
-use steklov_problem::{DataError, Method, Scene};
+use steklov_problem::{DataError, Scene};
 
 use crate::convergence::Chosen;
 use crate::settings::{Setting, settings};
@@ -94,9 +94,11 @@ impl StudyKind {
         if self == Self::Convergence { "study" } else { self.word() }
     }
 
-    /// The settings for a scene with this method, if the user sets nothing else.
-    fn settings(self, method: &Method) -> Vec<Setting> {
+    /// The settings for a scene, if the user sets nothing else.
+    fn settings(self, scene: &Scene) -> Vec<Setting> {
+        let method = &scene.method;
         match self {
+            Self::Stochastic if scene.is_on_grid() => Vec::new(),
             Self::Convergence | Self::Solvers | Self::Stochastic => settings(method),
             Self::InfSup => inf_sup::SETTINGS.to_vec(),
             Self::Stability => stability::settings(method),
@@ -110,7 +112,7 @@ impl StudyKind {
     /// # Errors
     /// A scene that cannot be solved with them.
     pub fn prepare(self, document: &mut Document) -> Result<(), DataError> {
-        for setting in self.settings(&document.scene.method) {
+        for setting in self.settings(&document.scene) {
             let text = setting.to_string();
             if !document.overrides(&text) {
                 setting.apply(&mut document.scene.method);

@@ -23,7 +23,9 @@ pub(crate) fn settings(source: &Source) -> Vec<String> {
 /// The settings of a study, and a note for the reader of the results.
 pub(crate) fn head(source: &Source, note: Option<&str>) -> String {
     let note = note.map_or(String::new(), |note| format!("note        {note}\n"));
-    format!("settings    {} (--set changes them)\n{note}", settings(source).join(", "))
+    let all = settings(source).join(", ");
+    let all = if all.is_empty() { "those of the scene" } else { &all };
+    format!("settings    {all} (--set changes them)\n{note}")
 }
 
 /// The failures, each with its reason.

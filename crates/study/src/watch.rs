@@ -3,8 +3,7 @@
 use std::fmt::Display;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use steklov_model::run::adaptive_loop::Event;
-use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::run::adaptive_loop::{Event, Model};
 use steklov_model::stage::Stage;
 
 /// Observes the progress of a study, and may stop it.
@@ -36,7 +35,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Reports the progress of an adaptive run in a step; `prefix` comes before the number of the step.
-    pub(crate) fn tell_step(&mut self, part: &str, prefix: &str, step: usize, event: &Event<'_, BoundaryElements>) {
+    pub(crate) fn tell_step<M: Model>(&mut self, part: &str, prefix: &str, step: usize, event: &Event<'_, M>) {
         if let Event::Stage(Stage::Progress(what, _)) = event {
             self.tell(part, &format!("{prefix}step {}, {what}", step + 1));
         }

@@ -1,8 +1,8 @@
 //! Held displacements: the motions that they leave free, and the forces that they carry.
 
-use steklov_bem_operators::{Edge, Mesh, Space};
+use steklov_bem_operators::{Mesh, Space};
 use steklov_elastic::{RigidMotion, free_motions};
-use steklov_problem::{Condition, Scene, Side};
+use steklov_problem::Side;
 
 /// A direction in which springs resist the displacement of a point.
 pub type Resisted = ([f64; 2], [f64; 2]);
@@ -62,7 +62,7 @@ impl Supports<'_> {
         sides: &[Side],
         traction: impl Fn(usize, usize) -> [f64; 2],
     ) -> Vec<(usize, [f64; 2])> {
-        let holds = |side: usize, component: usize| matches!(&sides[side].condition, Condition::Displacement { values, .. } if values[component].is_some());
+        let holds = |side: usize, component: usize| sides[side].holds(component);
         let previous = mesh.previous();
         let mut reactions = vec![[0.0; 2]; sides.len()];
         for e in 0..mesh.len() {
@@ -90,34 +90,4 @@ impl Supports<'_> {
         let held = |side: usize| holds(side, 0) || holds(side, 1);
         reactions.into_iter().enumerate().filter(|&(side, _)| held(side)).collect()
     }
-}
-
-/// Rigid motions that held sides and springs leave free.
-pub fn free_of_supports(scene: &Scene) -> Vec<RigidMotion> {
-    free_of_supports_of(scene, None)
-}
-
-/// The same for one of several bodies.
-pub fn free_of_supports_of(scene: &Scene, body: Option<usize>) -> Vec<RigidMotion> {
-    let mut constraints = Vec::new();
-    let outline = &scene.problem.outline;
-    let own = |edge: &&Edge| body.is_none_or(|body| outline.body_of_loop(edge.loop_index) == body);
-    let edges: Vec<&Edge> = outline.edges().iter().filter(own).collect();
-    for edge in &edges {
-        if let Some(springs) = &scene.problem.sides[edge.side].springs {
-            for (k, _) in springs.stiffnesses().iter().enumerate().filter(|(_, k)| k.constant() != Some(0.0)) {
-                let at = |s: f64| (edge.point(s), springs.directions(edge.normal(s))[k]);
-                constraints.extend([0.0, 0.5, 1.0].map(at));
-            }
-        }
-        if let Condition::Displacement { values, .. } = &scene.problem.sides[edge.side].condition {
-            for (value, direction) in values.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
-                if value.is_some() {
-                    constraints.extend([edge.start, edge.end].map(|x| (x, direction)));
-                }
-            }
-        }
-    }
-    let corners: Vec<[f64; 2]> = edges.iter().map(|e| e.start).collect();
-    free_motions(&corners, &constraints)
 }

@@ -14,7 +14,6 @@ use super::outcome_checks::{Look, Looked, look, mean_modulus};
 use super::outcomes::{Answer, Outcomes};
 use super::result::{End, Watch};
 use super::surrogate::{Cell, Surrogate, Told};
-use crate::data::supports::free_of_supports;
 use crate::error::SolveError;
 
 /// Part of the squared error whose directions are refined at a time.
@@ -38,7 +37,7 @@ pub fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, DataError> {
     let galerkin = galerkin && !scene.problem.has_several_bodies();
     let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
     let simple = scene.particular_solution(0).is_none() && !coulomb;
-    Ok(galerkin && simple && scene.unresisted(0, free_of_supports(scene)).is_empty() && !is_affine(scene, random)?)
+    Ok(galerkin && simple && scene.unresisted(0, scene.free_of_supports(None)).is_empty() && !is_affine(scene, random)?)
 }
 
 /// Whether E is affine in each germ while the others are fixed: then the Galerkin equations of the nodes decouple.

@@ -6,14 +6,15 @@
 use std::sync::atomic::Ordering;
 
 use steklov_model::error::SolveError;
+use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::Run;
 use steklov_model::run::boundary_elements::BoundaryElements;
-use steklov_model::stochastic::{StochasticResult, is_coupled, solve_stochastic};
+use steklov_model::stochastic::{End, StochasticResult, is_coupled, solve_stochastic, solve_stochastic_on_grid};
 use steklov_problem::{Random, Scene, Stochastic};
 use steklov_stochastic::Accumulator;
 
 use super::relative;
-use super::rules::{ADAPTED, FAMILIES, LIMIT, MONTE_CARLO, Rule, prefixes, reference, rules, with};
+use super::rules::{FAMILIES, Family, Finest, Kind, Rule, prefixes, reference, rules, with};
 use crate::table::Column;
 use crate::watch::Watch;
 
@@ -29,7 +30,7 @@ pub struct Quantity {
     pub mean: f64,
     /// Variance.
     pub variance: f64,
-    /// How far mean and variance may be off, over the scales: the change from the rule before the reference.
+    /// How far mean and variance may be off, over the scales: the change from the rule before the reference, or its standard errors.
     pub uncertainty: [f64; 2],
     /// The scales of the errors: (mean² + variance)^½, and the variance; for a component, those of the whole vector.
     pub scale: [f64; 2],
@@ -57,11 +58,11 @@ pub struct Measured {
     pub moments: [f64; 2],
     /// Their errors over the scales.
     pub errors: [f64; 2],
-    /// Standard errors of mean and variance over the scales; NaN except for Monte Carlo.
+    /// Standard errors of mean and variance over the scales; NaN of rules without samples.
     pub standard_errors: [f64; 2],
     /// Iterations of the contact solver.
     pub iterations: f64,
-    /// Wall seconds.
+    /// Wall seconds; of the first samples of a run their part of its seconds.
     pub seconds: f64,
 }
 
@@ -73,12 +74,12 @@ pub(super) const RULES: [Column<Measured>; 10] = [
     ("variance", "square of the quantity", "variance; of samples n/(n-1) times theirs", |m| m.moments[1]),
     ("mean_error", "1", "error of the mean over the root mean square of the quantity", |m| m.errors[0]),
     ("variance_error", "1", "error of the variance over it; NaN of what is not random", |m| m.errors[1]),
-    ("mean_standard_error", "1", "standard error of the mean over the same; Monte Carlo only", |m| {
+    ("mean_standard_error", "1", "standard error of the mean over the same; NaN of rules without samples", |m| {
         m.standard_errors[0]
     }),
-    ("variance_standard_error", "1", "that of the variance; Monte Carlo only", |m| m.standard_errors[1]),
+    ("variance_standard_error", "1", "that of the variance", |m| m.standard_errors[1]),
     ("iterations", "1", "iterations of the contact solver, all outcomes together", |m| m.iterations),
-    ("seconds", "seconds", "wall time of all outcomes", |m| m.seconds),
+    ("seconds", "seconds", "wall time of all outcomes; of the first samples of a run their part of it", |m| m.seconds),
 ];
 
 /// Columns of the quantities.
@@ -139,6 +140,9 @@ impl Chance {
     }
 }
 
+/// Solves all outcomes on one mesh or grid by some settings.
+type Solve<'s> = &'s dyn Fn(&Random) -> Result<StochasticResult, SolveError>;
+
 /// Solves by all rules on the last mesh of a run. After a request to stop no more rules are tried.
 ///
 /// # Errors
@@ -152,90 +156,123 @@ pub fn chance(
     let step = run.step();
     let deterministic = step.seconds[..4].iter().sum();
     let estimate = step.estimate.as_ref().map_or(f64::NAN, |e| e.relative);
-    let mut chance = Chance { dofs: step.dofs, estimate, ..Chance::default() };
+    let chance = Chance { dofs: step.dofs, estimate, ..Chance::default() };
     let body = match run.matrices(scene) {
         Err(SolveError::Interrupted) => return Ok(chance),
         body => body?,
     };
     let interrupts = watch.interrupts;
-    let solve = |settings: &Stochastic| {
-        let random = with(random, settings.clone());
-        let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-        solve_stochastic(scene, &random, body, &|_, _| {}, &stopped, &mut |_| Ok(()))
-    };
-    match judge(scene, random, &solve, &mut chance, watch) {
-        Err(SolveError::Interrupted) => return Ok(chance),
-        judged => judged?,
-    }
-    let names: Vec<String> = chance.quantities.iter().map(|q| q.name.clone()).collect();
-    let named = |s: &Stochastic| Stochastic { quantities: Some(names.clone()), ..s.clone() };
-    watch.tell("outcomes", "by the scene's own rule");
-    match solve(&named(&random.stochastic)) {
-        Ok(r) => {
-            let StochasticResult { solved: solves, iterations, unconverged, seconds, .. } = r;
-            chance.cost = Some(Cost { solves, iterations, unconverged, seconds, deterministic });
-        }
-        Err(SolveError::Interrupted) => return Ok(chance),
-        Err(error) => chance.failures.push(("the scene's own rule".into(), error.to_string())),
-    }
+    let stopped = || interrupts.load(Ordering::Relaxed) > 0;
+    let solve = |random: &Random| solve_stochastic(scene, random, body, &|_, _| {}, &stopped, &mut |_| Ok(()));
     let coupled = is_coupled(scene, random)?;
-    let finest = reference(scene, random).finest;
-    for rule in rules(scene, random, &finest, coupled) {
-        let last = chance.solved(rule.family);
-        if rule.family == ADAPTED && last.is_some_and(|n| n as f64 >= LIMIT) {
-            continue;
-        }
-        let (name, parameter) = FAMILIES[rule.family];
-        let what = format!("{name}: {parameter} = {}", rule.parameter);
-        watch.tell(name, &format!("{parameter} = {}", rule.parameter));
-        match solve(&named(&rule.settings)) {
-            Ok(result) if rule.family == MONTE_CARLO => chance.add_samples(&rule, &result)?,
-            // a smaller tolerance that changes nothing
-            Ok(result) if rule.family == ADAPTED && last == Some(result.solved) => {}
-            Ok(result) => chance.add(&rule, &result),
-            Err(SolveError::Interrupted) => break,
-            Err(error) => chance.failures.push((what, error.to_string())),
-        }
-    }
-    Ok(chance)
+    chance.by_all_rules((scene, random), (&solve, deterministic), coupled, watch)
 }
 
-/// Solves by the reference rule and by the rule before it.
-fn judge(
+/// As [`chance`], on the last grid of a run.
+///
+/// # Errors
+/// As [`chance`].
+pub fn chance_on_grid(
     scene: &Scene,
     random: &Random,
-    solve: &dyn Fn(&Stochastic) -> Result<StochasticResult, SolveError>,
-    chance: &mut Chance,
+    run: &Run<OnGrid>,
     watch: &mut Watch<'_>,
-) -> Result<(), SolveError> {
-    let rule = reference(scene, random);
-    watch.tell("reference in chance", &rule.name);
-    let before = solve(&rule.before)?;
-    let names: Vec<String> = before.quantities.iter().map(|q| q.name.clone()).collect();
-    // the other component of a vector comes after all quantities
-    let other = |name: &String| match (name.strip_suffix(".x"), name.strip_suffix(".y")) {
-        (Some(vector), _) => Some(format!("{vector}.y")),
-        (_, Some(vector)) => Some(format!("{vector}.x")),
-        _ => None,
-    };
-    let quantities = names.iter().cloned().chain(names.iter().filter_map(other)).collect();
-    let result = solve(&Stochastic { quantities: Some(quantities), ..rule.finest.clone() })?;
-    chance.solves = result.solved;
-    chance.reference = rule.name;
-    let mut others = result.quantities[names.len()..].iter();
-    for ((name, q), b) in names.iter().zip(&result.quantities).zip(&before.quantities) {
-        let other = other(name).and_then(|_| others.next()).map_or([0.0; 2], |o| [o.mean, o.variance]);
-        let variance = q.variance + other[1];
-        let size = (q.mean * q.mean + other[0] * other[0] + variance).sqrt();
-        let scale = [size, if variance.sqrt() > VARIES * size { variance } else { 0.0 }];
-        let uncertainty = [relative(q.mean, b.mean, scale[0]), relative(q.variance, b.variance, scale[1])];
-        let (mean, variance) = (q.mean, q.variance);
-        chance.quantities.push(Quantity { name: name.clone(), mean, variance, uncertainty, scale });
-    }
-    Ok(())
+) -> Result<Chance, SolveError> {
+    let step = run.step();
+    let estimate = step.estimate.as_ref().map_or(f64::NAN, |e| e.relative);
+    let chance = Chance { dofs: step.dofs, estimate, ..Chance::default() };
+    let interrupts = watch.interrupts;
+    let stopped = || interrupts.load(Ordering::Relaxed) > 0;
+    let solve =
+        |random: &Random| solve_stochastic_on_grid(scene, random, &step.layout, &|_, _| {}, &stopped, &mut |_| Ok(()));
+    chance.by_all_rules((scene, random), (&solve, step.seconds[..4].iter().sum()), false, watch)
 }
 
 impl Chance {
+    /// The reference, the scene's own rule, then all rules; `deterministic`: wall seconds of one solve of the mesh.
+    fn by_all_rules(
+        mut self,
+        (scene, random): (&Scene, &Random),
+        (solve, deterministic): (Solve<'_>, f64),
+        coupled: bool,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, SolveError> {
+        let finest = reference(scene, random);
+        match self.judge(random, solve, &finest, watch) {
+            Err(SolveError::Interrupted) => return Ok(self),
+            judged => judged?,
+        }
+        let names: Vec<String> = self.quantities.iter().map(|q| q.name.clone()).collect();
+        let named = |s: &Stochastic| with(random, Stochastic { quantities: Some(names.clone()), ..s.clone() });
+        watch.tell("outcomes", "by the scene's own rule");
+        match solve(&named(&random.stochastic)) {
+            Ok(r) => {
+                let StochasticResult { solved: solves, iterations, unconverged, seconds, .. } = r;
+                self.cost = Some(Cost { solves, iterations, unconverged, seconds, deterministic });
+            }
+            Err(SolveError::Interrupted) => return Ok(self),
+            Err(error) => self.failures.push(("the scene's own rule".into(), error.to_string())),
+        }
+        // a family that has all outcomes that it may have
+        let mut ended = None;
+        for rule in rules(scene, random, &finest.finest, coupled) {
+            if ended == Some(rule.family) {
+                continue;
+            }
+            let Family { name, parameter, kind } = FAMILIES[rule.family];
+            let last = self.solved(rule.family);
+            let what = format!("{name}: {parameter} = {}", rule.parameter);
+            watch.tell(name, &format!("{parameter} = {}", rule.parameter));
+            match solve(&named(&rule.settings)) {
+                Ok(result) if kind == Kind::Samples => self.add_samples(&rule, &result)?,
+                // a smaller tolerance that changes nothing
+                Ok(result) if kind == Kind::ToTolerance && last == Some(result.solved) => {}
+                Ok(result) => {
+                    ended = Some(rule.family).filter(|_| kind == Kind::ToTolerance && result.end == End::MaxNodes);
+                    self.add(&rule, &result);
+                }
+                Err(SolveError::Interrupted) => break,
+                Err(error) => self.failures.push((what, error.to_string())),
+            }
+        }
+        Ok(self)
+    }
+
+    /// Solves by the reference rule and by the rule before it.
+    fn judge(
+        &mut self,
+        random: &Random,
+        solve: Solve<'_>,
+        rule: &Finest,
+        watch: &mut Watch<'_>,
+    ) -> Result<(), SolveError> {
+        watch.tell("reference in chance", &rule.name);
+        let before = solve(&with(random, rule.before.clone()))?;
+        let names: Vec<String> = before.quantities.iter().map(|q| q.name.clone()).collect();
+        // the other component of a vector comes after all quantities
+        let other = |name: &String| match (name.strip_suffix(".x"), name.strip_suffix(".y")) {
+            (Some(vector), _) => Some(format!("{vector}.y")),
+            (_, Some(vector)) => Some(format!("{vector}.x")),
+            _ => None,
+        };
+        let quantities = names.iter().cloned().chain(names.iter().filter_map(other)).collect();
+        let result = solve(&with(random, Stochastic { quantities: Some(quantities), ..rule.finest.clone() }))?;
+        (self.solves, self.reference) = (result.solved, rule.name.clone());
+        let mut others = result.quantities[names.len()..].iter();
+        for ((name, q), b) in names.iter().zip(&result.quantities).zip(&before.quantities) {
+            let other = other(name).and_then(|_| others.next()).map_or([0.0; 2], |o| [o.mean, o.variance]);
+            let variance = q.variance + other[1];
+            let size = (q.mean * q.mean + other[0] * other[0] + variance).sqrt();
+            let scale = [size, if variance.sqrt() > VARIES * size { variance } else { 0.0 }];
+            let change = [(q.mean - b.mean).abs(), (q.variance - b.variance).abs()];
+            let off = [q.standard_error.unwrap_or(change[0]), q.variance_error.unwrap_or(change[1])];
+            let uncertainty = [0, 1].map(|k| relative(off[k], 0.0, scale[k]));
+            let (mean, variance) = (q.mean, q.variance);
+            self.quantities.push(Quantity { name: name.clone(), mean, variance, uncertainty, scale });
+        }
+        Ok(())
+    }
+
     /// Outcomes of the last rule of a family.
     fn solved(&self, family: usize) -> Option<usize> {
         self.of(family, 0).last().map(|m| m.solves)
@@ -260,7 +297,8 @@ impl Chance {
 
     fn add(&mut self, rule: &Rule, result: &StochasticResult) {
         for (k, q) in result.quantities.iter().enumerate() {
-            let one = self.measured(rule, k, [q.mean, q.variance], [f64::NAN; 2]);
+            let standard_errors = [q.standard_error, q.variance_error].map(|error| error.unwrap_or(f64::NAN));
+            let one = self.measured(rule, k, [q.mean, q.variance], standard_errors);
             let (iterations, seconds) = (result.iterations as f64, result.seconds);
             self.points.push(Measured { solves: result.solved, iterations, seconds, ..one });
         }
@@ -278,8 +316,8 @@ impl Chance {
                 let (moments, errors) = (sums.moments(), sums.standard_errors());
                 let unbiased = moments.variance[0] * n as f64 / (n.max(2) - 1) as f64;
                 let one = self.measured(rule, k, [moments.mean[0], unbiased], [errors.mean[0], errors.variance[0]]);
-                let last = |value: f64| if n == all { value } else { f64::NAN };
-                let (iterations, seconds) = (last(result.iterations as f64), last(result.seconds));
+                let iterations = if n == all { result.iterations as f64 } else { f64::NAN };
+                let seconds = result.seconds * n as f64 / all as f64;
                 self.points.push(Measured { parameter: n as f64, solves: n, iterations, seconds, ..one });
             }
         }

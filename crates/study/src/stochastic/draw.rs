@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use steklov_picture::PictureError;
+use steklov_picture::{Band, PictureError};
 
 use super::Stochastic;
 use super::chance::Measured;
-use super::rules::FAMILIES;
+use super::rules::{FAMILIES, Family};
 use super::space::{CURVES, Point};
 use crate::chart::{Drawing, Line, Pictures, known, log};
 use crate::solvers;
@@ -22,7 +22,10 @@ pub fn pictures(study: &Stochastic<'_>, folder: &Path) -> Result<Vec<PathBuf>, P
     let mut all = Pictures::new(folder);
     for quantity in study.chance.shown() {
         for (which, what) in [(0, "mean"), (1, "variance")] {
-            in_chance(study, quantity, (which, what), ("", "outcomes solved", |m| m.solves as f64), &mut all)?;
+            // on grids outcomes of coarse grids, and of one system for all, do not count alike
+            if !study.scene.is_on_grid() {
+                in_chance(study, quantity, (which, what), ("", "outcomes solved", |m| m.solves as f64), &mut all)?;
+            }
             in_chance(study, quantity, (which, what), ("-seconds", SECONDS, |m| m.seconds), &mut all)?;
         }
     }
@@ -55,8 +58,8 @@ fn in_chance(
     let of = |family: usize, value: &dyn Fn(&Measured) -> f64| {
         known(chance.of(family, quantity).map(|m| [cost(m), value(m)]))
     };
-    let line = |(k, (family, _)): (usize, &(&str, &str))| {
-        Line::new(*family, [of(k, &|m| m.errors[which]), of(k, &|m| m.standard_errors[which])])
+    let line = |(k, family): (usize, &Family)| {
+        Line::new(family.name, [of(k, &|m| m.errors[which]), of(k, &|m| m.standard_errors[which])])
     };
     let mut lines: Vec<Line> = FAMILIES.iter().enumerate().map(line).filter(Line::is_drawn).collect();
     let both = lines.iter().any(|l| !l.curves[1].points.is_empty());
@@ -64,11 +67,18 @@ fn in_chance(
     lines.iter_mut().for_each(|l| l.curves.truncate(quantities.len()));
     let name = &chance.quantities[quantity].name;
     let error = format!("relative error of the {what} of {name}");
+    // an error is known no better than the reference, in sight where the smallest one is not far from that
+    let off = chance.quantities[quantity].uncertainty[which];
+    let errors = chance.points.iter().filter(|m| m.quantity == quantity && m.errors[which] > 0.0);
+    let smallest = errors.map(|m| m.errors[which]).fold(f64::INFINITY, f64::min);
+    let label_of_band = format!("the reference may be off by {off:.0e}");
+    let band = (off > 0.1 * smallest).then_some(Band { label: &label_of_band, y: [off.min(smallest) / 1.5, off] });
     let drawing = Drawing {
         title: &format!("{}: {what} of {name} by rules in chance", study.scene.title),
         axes: [log(label), log(&error)],
         quantities,
         lines,
+        band,
         ..Drawing::default()
     };
     all.draw(&format!("{what}-{}{end}", name.replace('.', "-")), &drawing)

@@ -1,9 +1,9 @@
 //! Convergence of the answers of a scene with random input, in chance and in space, and the cost of its solvers.
 //!
 //! ```text
-//! settings ─► Chance (rules on the last mesh against a finer one)     ─┐
-//!             Space (strategies against the end of an hp one)          ├─► Stochastic ─► report, draw
-//!             Solvers (of contact, mesh by mesh)                       ─┘
+//! settings ─► Chance (rules on the last mesh or grid against a finer rule) ─┐
+//!             Space (strategies against the end of an hp one)              ├─► Stochastic ─► report, draw
+//!             Solvers (of contact, mesh by mesh)                           ─┘
 //! ```
 //! Each part is a file with its computation and the columns of its table.
 
@@ -21,10 +21,10 @@ use crate::error::StudyError;
 use crate::solvers::{Solvers, solvers};
 use crate::watch::Watch;
 
-pub use chance::{Chance, Cost, Measured, Quantity, chance};
+pub use chance::{Chance, Cost, Measured, Quantity, chance, chance_on_grid};
 pub use draw::pictures;
 pub use report::report;
-pub use rules::FAMILIES;
+pub use rules::{FAMILIES, Family, Kind};
 pub use space::{CURVES, Point, Space, space};
 
 /// A finished study.
@@ -36,9 +36,9 @@ pub struct Stochastic<'a> {
     pub source: &'a Source,
     /// Errors in chance.
     pub chance: Chance,
-    /// Errors in space.
+    /// Errors in space; nothing on grids.
     pub space: Space,
-    /// The cost of solvers; none without contact.
+    /// The cost of solvers; none without contact, and on grids.
     pub solvers: Option<Solvers>,
     /// Whether the user stopped it.
     pub interrupted: bool,
@@ -47,15 +47,8 @@ pub struct Stochastic<'a> {
 /// The random input of a scene.
 ///
 /// # Errors
-/// A scene without random input, or on a grid.
+/// A scene without random input.
 pub fn random(scene: &Scene) -> Result<&Random, DataError> {
-    if scene.is_on_grid() {
-        let message = "the study of random input is of boundary elements, and the body of the scene is on a grid";
-        let help =
-            "solve it with one method after the other: stochastic.method = \"sparse\", \"multilevel\", \"monte-carlo\"";
-        let keys = &[vec!["material", "cells"], vec!["method", "model"], vec!["random"]];
-        return Err(DataError::at(DataErrorKind::Unsupported, keys, message.to_owned(), help));
-    }
     scene.random.as_ref().ok_or_else(|| {
         let message = "the study is about random input, and no datum of the scene uses any".to_owned();
         let help =
@@ -65,7 +58,7 @@ pub fn random(scene: &Scene) -> Result<&Random, DataError> {
     })
 }
 
-/// All parts of the study: chance on the last mesh of an adaptive run, space, solvers.
+/// All parts of the study: chance on the last mesh or grid of an adaptive run; of boundary elements space and solvers too.
 ///
 /// # Errors
 /// The errors of the run, of [`chance`], [`space`] and [`solvers`].
@@ -75,13 +68,22 @@ pub fn study<'a>(
     random: &Random,
     watch: &mut Watch<'_>,
 ) -> Result<Stochastic<'a>, StudyError> {
-    let mut last = run(scene, Progress::first(scene), watch.interrupts, &mut |step, event| {
-        watch.tell_step("mesh", "", step, &event);
-        Ok(())
-    })?;
-    let chance = chance(scene, random, &mut last, watch)?;
-    let space = space(scene, random, watch)?;
-    let solvers = solvers(scene, watch)?;
+    let on_grid = scene.is_on_grid();
+    let chance = if on_grid {
+        let last = run(scene, Progress::new(scene, Vec::new())?, watch.interrupts, &mut |step, event| {
+            watch.tell_step("grid", "", step, &event);
+            Ok(())
+        })?;
+        chance_on_grid(scene, random, &last, watch)?
+    } else {
+        let mut last = run(scene, Progress::first(scene), watch.interrupts, &mut |step, event| {
+            watch.tell_step("mesh", "", step, &event);
+            Ok(())
+        })?;
+        chance(scene, random, &mut last, watch)?
+    };
+    let space = if on_grid { Space::default() } else { space(scene, random, watch)? };
+    let solvers = if on_grid { None } else { solvers(scene, watch)? };
     Ok(Stochastic { scene, source, chance, space, solvers, interrupted: watch.stopped() })
 }
 

@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 
 use super::chance::{Measured, QUANTITIES, RULES};
-use super::rules::{FAMILIES, MONTE_CARLO};
+use super::rules::{FAMILIES, Family, MONTE_CARLO};
 use super::space::{CURVES, POINTS, Point};
 use super::{Chance, Quantity, Space, Stochastic};
 use crate::report::{Part, Report, columns, failures, list, named, part, text, texts, told};
@@ -24,11 +24,15 @@ use crate::table::Table;
 pub fn report<'a>(study: &'a Stochastic<'_>) -> Report<'a> {
     let quoted = |name: &str| format!("\"{name}\"");
     let (chance, space) = (&study.chance, &study.space);
-    let of = |m: &Measured| format!("{},{}", quoted(FAMILIES[m.family].0), quoted(&chance.quantities[m.quantity].name));
+    let of =
+        |m: &Measured| format!("{},{}", quoted(FAMILIES[m.family].name), quoted(&chance.quantities[m.quantity].name));
     let rules = Table::new("rule", &chance.points, &RULES).key("rule,quantity", chance.points.iter().map(of));
     let curves = space.points.iter().map(|p| quoted(CURVES[p.curve].0));
     let meshes = Table::new("mesh", &space.points, &POINTS).key("curve", curves);
-    let mut tables = vec![("stochastic.csv", rules.csv()), ("space.csv", meshes.csv())];
+    let mut tables = vec![("stochastic.csv", rules.csv())];
+    if !study.scene.is_on_grid() {
+        tables.push(("space.csv", meshes.csv()));
+    }
     let solvers = study.solvers.as_ref().map(|all| {
         let names = all.methods.iter().map(|m| quoted(SOLVERS[m.solver].0));
         tables.push(("solvers.csv", Table::new("mesh", &all.methods, &METHODS).key("solver", names).csv()));
@@ -67,7 +71,7 @@ pub fn report<'a>(study: &'a Stochastic<'_>) -> Report<'a> {
 fn chance_parts(chance: &Chance) -> [Vec<Part>; 2] {
     let rules = |family: usize, quantity: usize| Table::new("rule", chance.of(family, quantity), &RULES);
     let quantity = |(k, q): (usize, &Quantity)| {
-        let family = |(f, (name, parameter)): (usize, &(&str, &str))| {
+        let family = |(f, Family { name, parameter, .. }): (usize, &Family)| {
             let points = rules(f, k).json();
             json!({ "name": name, "parameter": parameter, "points": points })
         };
@@ -98,7 +102,7 @@ fn chance_parts(chance: &Chance) -> [Vec<Part>; 2] {
         columns("", Table::new("quantity", &chance.quantities, &QUANTITIES)),
     ];
     kept.extend((0..chance.quantities.len()).map(|k| {
-        let family = |(f, (name, _)): (usize, &(&str, &str))| {
+        let family = |(f, Family { name, .. }): (usize, &Family)| {
             vec![text("rule", name, "the family of rules"), columns("points", rules(f, k))]
         };
         list(&format!("{k:03}"), FAMILIES.iter().enumerate().map(family).collect())
@@ -114,6 +118,9 @@ fn body(study: &Stochastic<'_>) -> String {
     }
     match &study.solvers {
         Some(all) => solvers::table(&mut text, ", nominal outcome", all),
+        None if study.scene.is_on_grid() => {
+            text += "\nerrors in space and contact solvers: of boundary elements alone\n"
+        }
         None => text += "\ncontact solvers: left out, no side is in contact\n",
     }
     for (what, why) in study.failures() {
@@ -129,7 +136,10 @@ fn cell(value: f64) -> String {
 
 fn chance(text: &mut String, all: &Chance) {
     let _ = write!(text, "\nin chance   on a mesh of {} dofs", all.dofs);
-    let _ = writeln!(text, ", estimated relative error {:.1e} in space", all.estimate);
+    let known = all.estimate.is_finite();
+    let estimate =
+        if known { format!(", estimated relative error {:.1e} in space", all.estimate) } else { String::new() };
+    let _ = writeln!(text, "{estimate}");
     if all.quantities.is_empty() {
         return;
     }
@@ -173,7 +183,7 @@ fn rules(text: &mut String, all: &Chance) {
     let heads = format!(" {:>9} {:>9}", "mean", "variance").repeat(shown.len());
     let _ = writeln!(text, "{:<25} {:>16} {:>6}{heads} {:>10} {:>8}", "rule", "", "solves", "iterations", "seconds");
     let Some(&first) = shown.first() else { return };
-    for (family, (name, parameter)) in FAMILIES.iter().enumerate() {
+    for (family, Family { name, parameter, .. }) in FAMILIES.iter().enumerate() {
         let mut name = *name;
         for (k, m) in all.of(family, first).enumerate() {
             let both = |q: usize| all.of(family, q).nth(k).map_or([f64::NAN; 2], |m| m.errors);

@@ -1,21 +1,55 @@
 //! The stochastic rules of the study, and the finer rule that is their reference.
 
+use std::ops::RangeInclusive;
+
 use steklov_plan::points;
 use steklov_problem::{Random, Sampling, Scene, Stochastic};
 
-/// Families of rules: the name, and the parameter that changes from rule to rule.
-pub const FAMILIES: [(&str, &str); 6] = [
-    ("one element of degree q", "degree"),
-    ("elements of degree 1", "elements"),
-    ("elements of degree 3", "elements"),
-    ("adaptive stochastic mesh", "tolerance"),
-    ("sparse grid", "level"),
-    ("Monte Carlo", "samples"),
+/// A family of rules.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Family {
+    /// Its name.
+    pub name: &'static str,
+    /// What changes from rule to rule.
+    pub parameter: &'static str,
+    /// How a rule of it ends.
+    pub kind: Kind,
+}
+
+/// How a rule ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// With its points.
+    Points,
+    /// At its tolerance, or with as many outcomes as allowed.
+    ToTolerance,
+    /// With its samples, the first of which are a shorter rule.
+    Samples,
+}
+
+const fn family(name: &'static str, parameter: &'static str, kind: Kind) -> Family {
+    Family { name, parameter, kind }
+}
+
+/// All families.
+pub const FAMILIES: [Family; 9] = [
+    family("one element of degree q", "degree", Kind::Points),
+    family("elements of degree 1", "elements", Kind::Points),
+    family("elements of degree 3", "elements", Kind::Points),
+    family("adaptive stochastic mesh", "tolerance", Kind::ToTolerance),
+    family("sparse grid", "level", Kind::Points),
+    family("Galerkin, total degree", "degree", Kind::Points),
+    family("corrected polynomials", "tolerance", Kind::ToTolerance),
+    family("multilevel Monte Carlo", "tolerance", Kind::ToTolerance),
+    family("Monte Carlo", "samples", Kind::Samples),
 ];
-/// Number of Monte Carlo in [`FAMILIES`].
-pub(super) const MONTE_CARLO: usize = 5;
-/// Number of adaptive meshes in [`FAMILIES`].
-pub(super) const ADAPTED: usize = 3;
+/// Numbers of families in [`FAMILIES`].
+const ADAPTED: usize = 3;
+const SPARSE: usize = 4;
+const AT_ONCE: usize = 5;
+const CORRECTED: usize = 6;
+const MULTILEVEL: usize = 7;
+pub(super) const MONTE_CARLO: usize = 8;
 
 /// Largest number of solves of a rule.
 pub(super) const LIMIT: f64 = 2000.0;
@@ -28,6 +62,13 @@ const COUPLED: f64 = 32.0;
 const REFERENCE: usize = 5000;
 const ADAPTIVE: usize = 2;
 const DEGREE: usize = 11;
+/// Most germs of a reference by a sparse grid on grids.
+const SMOOTH: usize = 10;
+/// Most polynomials of Galerkin on a grid.
+const POLYNOMIALS: f64 = 1000.0;
+/// Tolerance of a reference that samples, and most outcomes of one by differences between grids.
+const SAMPLED: f64 = 0.002;
+const OF_LEVELS: usize = 50_000;
 
 /// A rule.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,6 +104,16 @@ fn adaptive(random: &Random, tolerance: f64, max_nodes: usize) -> Stochastic {
     Stochastic { method, refine: true, of_deviation: false, tolerance, max_nodes, ..tensor(random, 1, degree) }
 }
 
+/// Solved to a tolerance by outcomes.
+fn to_tolerance(random: &Random, method: Sampling, tolerance: f64, max_nodes: usize) -> Stochastic {
+    Stochastic { method, tolerance, max_nodes, samples: 1, ..random.stochastic.clone() }
+}
+
+/// Galerkin on a grid, of a total degree.
+fn at_once(random: &Random, degree: usize) -> Stochastic {
+    Stochastic { of_deviation: false, method: Sampling::Galerkin, ..tensor(random, 1, degree) }
+}
+
 fn sparse(random: &Random, level: usize) -> Stochastic {
     Stochastic { method: Sampling::Sparse, level, ..random.stochastic.clone() }
 }
@@ -79,64 +130,122 @@ pub(super) fn count(scene: &Scene, random: &Random, settings: &Stochastic) -> f6
     points(scene, &with(random, settings.clone()))
 }
 
-/// Adaptive for one or two germs; else the tensor rule of the highest affordable degree, if that is two degrees above
-/// the scene's; else the finest affordable sparse grid. All are collocation, the limit of every method here.
+/// On boundary elements adaptive for one or two germs; else the tensor rule of the highest affordable degree, if that is two
+/// degrees above the scene's; else the finest affordable sparse grid. All are collocation, the limit of every method there.
 pub(super) fn reference(scene: &Scene, random: &Random) -> Finest {
+    if scene.is_on_grid() {
+        return on_grid(scene, random);
+    }
     if random.germs.len() <= ADAPTIVE {
         let rule = |tolerance| adaptive(random, tolerance, REFERENCE);
         let name = "collocation on an adaptive stochastic mesh, tolerance 1e-8".into();
         return Finest { finest: rule(1e-8), before: rule(1e-7), name };
     }
-    let largest = |least: usize, most: usize, rule: &dyn Fn(usize) -> Stochastic| {
-        (least..=most).take_while(|&k| count(scene, random, &rule(k)) <= REFERENCE as f64).last()
-    };
     let rule = |degree| Stochastic { method: Sampling::Collocation, ..tensor(random, 1, degree) };
     let least = random.stochastic.degree + 2;
-    match largest(least, DEGREE.max(least), &rule) {
+    match largest((scene, random), least..=DEGREE.max(least), &rule) {
         Some(degree) => {
             let name = format!("collocation of degree {degree} on one element");
             Finest { finest: rule(degree), before: rule(degree - 1), name }
         }
-        None => {
-            let rule = |level| sparse(random, level);
-            let level = largest(1, 6, &rule).unwrap_or(1);
-            Finest { finest: rule(level), before: rule(level - 1), name: format!("sparse grid of level {level}") }
-        }
+        None => finest_sparse(scene, random),
     }
 }
 
-/// All rules, family by family from coarse to fine; rules that would take too long, or are as fine as the reference,
-/// are left out. `coupled`: whether the nodes of the Galerkin method are coupled.
+/// The largest affordable number of those that give a rule.
+fn largest(
+    (scene, random): (&Scene, &Random),
+    numbers: RangeInclusive<usize>,
+    rule: &dyn Fn(usize) -> Stochastic,
+) -> Option<usize> {
+    numbers.take_while(|&k| count(scene, random, &rule(k)) <= REFERENCE as f64).last()
+}
+
+fn finest_sparse(scene: &Scene, random: &Random) -> Finest {
+    let rule = |level| sparse(random, level);
+    let level = largest((scene, random), 1..=6, &rule).unwrap_or(1);
+    Finest { finest: rule(level), before: rule(level - 1), name: format!("sparse grid of level {level}") }
+}
+
+/// On grids Galerkin of the highest affordable degree where it solves the scene; a sparse grid for few germs without contact;
+/// else outcomes that are drawn, as differences between grids where polynomials have nothing to say.
+fn on_grid(scene: &Scene, random: &Random) -> Finest {
+    if scene.takes_galerkin() {
+        let rule = |degree| at_once(random, degree);
+        let fits = |degree: &usize| count(scene, random, &rule(*degree)) <= POLYNOMIALS;
+        if let Some(degree) = (2..=DEGREE).take_while(fits).last() {
+            let name = format!("Galerkin of total degree {degree}");
+            return Finest { finest: rule(degree), before: rule(degree - 1), name };
+        }
+    }
+    let drawn = !random.drawn_germs().is_empty();
+    if random.germs.len() <= SMOOTH && !drawn && scene.contacts().next().is_none() {
+        return finest_sparse(scene, random);
+    }
+    let rule = |tolerance| match drawn && is_possible(scene, random, &levels(random, tolerance)) {
+        true => levels(random, tolerance),
+        false => to_tolerance(random, Sampling::Corrected, tolerance, 2 * REFERENCE),
+    };
+    let (mut finest, before) = (rule(SAMPLED), rule(0.1));
+    // outcomes of its own: errors against those that it shares would look too small
+    finest.seed = !finest.seed;
+    let what = if finest.method == Sampling::Multilevel { "multilevel Monte Carlo" } else { "corrected polynomials" };
+    let name = format!("{what}, tolerance {SAMPLED}, at most {} outcomes", finest.max_nodes);
+    Finest { finest, before, name }
+}
+
+fn levels(random: &Random, tolerance: f64) -> Stochastic {
+    to_tolerance(random, Sampling::Multilevel, tolerance, OF_LEVELS)
+}
+
+/// Whether the scene can be solved by some settings.
+fn is_possible(scene: &Scene, random: &Random, settings: &Stochastic) -> bool {
+    let scene = Scene { random: Some(with(random, settings.clone())), ..scene.clone() };
+    scene.check().is_ok() && (settings.method != Sampling::Galerkin || !scene.is_on_grid() || scene.takes_galerkin())
+}
+
+/// All rules, family by family from coarse to fine; rules that would take too long, are as fine as the reference, or cannot
+/// solve the scene are left out. `coupled`: whether the nodes of the Galerkin method are coupled.
 pub(super) fn rules(scene: &Scene, random: &Random, reference: &Stochastic, coupled: bool) -> Vec<Rule> {
     let germs = random.germs.len();
     let mut rules = Vec::new();
-    let mut add = |family: usize, parameter: f64, settings: Stochastic| {
-        let like = match settings.method {
-            Sampling::Sparse => reference.method == Sampling::Sparse,
-            _ => family == 0 && reference.method == Sampling::Collocation,
-        };
-        let finer = like && !reference.refine && count(scene, random, &settings) >= count(scene, random, reference);
-        let cell = ((settings.degree + 1) as f64).powi(germs as i32);
-        let large = coupled && settings.method == Sampling::Galerkin && cell > COUPLED;
-        if !finer && !large && count(scene, random, &settings) <= LIMIT {
-            rules.push(Rule { family, parameter, settings });
+    let mut add = |family: usize, all: &mut dyn Iterator<Item = (f64, Stochastic)>| {
+        for (parameter, settings) in all {
+            let Stochastic { method, degree, .. } = settings;
+            let like = match method {
+                Sampling::Sparse => reference.method == Sampling::Sparse,
+                Sampling::Galerkin if family == AT_ONCE => reference.method == Sampling::Galerkin,
+                _ => family == 0 && reference.method == Sampling::Collocation,
+            };
+            let points = count(scene, random, &settings);
+            let finer = like && !reference.refine && points >= count(scene, random, reference);
+            let cell = ((degree + 1) as f64).powi(germs as i32);
+            let large = coupled && method == Sampling::Galerkin && cell > COUPLED;
+            let fits = points <= LIMIT || method == Sampling::Multilevel;
+            if !finer && !large && fits && is_possible(scene, random, &settings) {
+                rules.push(Rule { family, parameter, settings });
+            }
         }
     };
-    for degree in 0..=8 {
-        add(0, degree as f64, tensor(random, 1, degree));
-    }
-    for (family, degree) in [(1, 1), (2, 3)] {
-        for elements in (0..8).map(|k| 1 << k) {
-            add(family, elements as f64, tensor(random, elements, degree));
+    let meshes = !scene.is_on_grid();
+    if meshes {
+        add(0, &mut (0..=8).map(|degree| (degree as f64, tensor(random, 1, degree))));
+        for (family, degree) in [(1, 1), (2, 3)] {
+            add(family, &mut (0..8).map(|k| 1 << k).map(|n| (n as f64, tensor(random, n, degree))));
         }
+        let most = (LIMIT as usize).min(random.stochastic.max_nodes);
+        let tolerances = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+        add(ADAPTED, &mut tolerances.into_iter().map(|t| (t, adaptive(random, t, most))));
     }
-    for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
-        add(ADAPTED, tolerance, adaptive(random, tolerance, (LIMIT as usize).min(random.stochastic.max_nodes)));
+    add(SPARSE, &mut (0..=5).map(|level| (level as f64, sparse(random, level))));
+    if !meshes {
+        let tolerances = [0.3, 0.1, 0.03, 0.01, 0.003];
+        let corrected = |t| (t, to_tolerance(random, Sampling::Corrected, t, LIMIT as usize));
+        add(AT_ONCE, &mut (0..=8).map(|degree| (degree as f64, at_once(random, degree))));
+        add(CORRECTED, &mut tolerances.into_iter().map(corrected));
+        add(MULTILEVEL, &mut tolerances.into_iter().map(|t| (t, levels(random, t))));
     }
-    for level in 0..=5 {
-        add(4, level as f64, sparse(random, level));
-    }
-    let most = if germs > FEW { LIMIT as usize } else { 10_000 };
+    let most = if germs > FEW || !meshes { LIMIT as usize } else { 10_000 };
     let samples = random.stochastic.samples.min(most);
     let settings = Stochastic { method: Sampling::MonteCarlo, samples, ..random.stochastic.clone() };
     rules.push(Rule { family: MONTE_CARLO, parameter: samples as f64, settings });
