@@ -188,3 +188,40 @@ fn outcomes_are_scenes_of_their_own() {
         }
     }
 }
+
+/// A disc of the radius 1 in a medium under a pull p from all sides, both moduli and p random: the stress in it is uniform,
+/// p (κ₂ + 1) μ₁/((κ₁ - 1) μ₂ + 2 μ₁), its displacement (κ₁ - 1) σ r/(4 μ₁) (Goodier, 1933; plane strain, κ = 3 - 4 ν).
+#[test]
+fn a_disc_and_the_medium_around_it_have_random_moduli() {
+    let text = "title = \"disc\"\n[body]\ncircle = { centre = [0, 0], radius = 1 }\nside = \"rim\"\n\
+                [material]\nyoung = \"4*a\"\npoisson = 0.2\n[exterior]\nyoung = \"b\"\npoisson = 0.3\n\
+                remote_stress = [\"p\", \"p\", 0]\n[probe]\npoints = [[0.5, 0], [2, 0]]\n[method]\ntolerance = 1e-8\n\
+                [random.a]\ndistribution = \"uniform\"\nlow = 0.5\nhigh = 1.5\n\
+                [random.b]\ndistribution = \"lognormal\"\nmean = 2\ndeviation = 0.3\n\
+                [random.p]\ndistribution = \"uniform\"\nlow = -1\nhigh = 3\n[stochastic]\nmethod = \"sparse\"\nlevel = 2\n\
+                quantities = [\"probe.0.displacement.x\", \"probe.0.stress.yy\", \"probe.1.stress.xx\"]\n";
+    let scene = read(text);
+    let result = outcomes(&scene);
+    let variables = variables(scene.random.as_ref().expect("random input"));
+    let mu = |young: f64, poisson: f64| young / (2.0 * (1.0 + poisson));
+    let [of_body, of_medium] = [0.2, 0.3].map(|poisson| 3.0 - 4.0 * poisson);
+    for (i, germs) in result.points.iter().enumerate() {
+        let values: Vec<f64> = variables.iter().zip(germs).map(|(v, xi)| v.value(*xi)).collect();
+        let (inner, outer, p) = (mu(4.0 * values[0], 0.2), mu(values[1], 0.3), values[2]);
+        let stress = p * (of_medium + 1.0) * inner / ((of_body - 1.0) * outer + 2.0 * inner);
+        for (name, exact) in [
+            ("probe.0.displacement.x", (of_body - 1.0) * stress * 0.5 / (4.0 * inner)),
+            ("probe.0.stress.yy", stress),
+            ("probe.1.stress.xx", p + (stress - p) / 4.0),
+        ] {
+            let value = quantity(&result, name).values[i];
+            assert!((value - exact).abs() < 1e-8 * (p.abs() + 1.0), "{name} for {values:?}: {value}, exact {exact}");
+        }
+    }
+    let corners = "corners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\"]";
+    let own_grid = format!("{text}[grid]\ncoarse = [8, 8]\nfine = [1, 1]\n")
+        .replace("circle = { centre = [0, 0], radius = 1 }\nside = \"rim\"", corners)
+        .replace("tolerance = 1e-8", "model = \"fem-bem\"");
+    let refused = steklov_tests::parse(&own_grid, &[]).unwrap_err().render();
+    assert!(refused.contains("random input of a body in a medium needs boundary elements"), "{refused}");
+}

@@ -197,9 +197,9 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     };
     let in_sides = context.used.take();
     let method = method::method(fields.get("method"))?;
-    // boundary elements have the medium around a body with holes or a force as a body of its own
-    let separate =
-        matches!(method.model, Model::Auto | Model::Bem) && declared.is_empty() && problem.needs_separate_medium();
+    // boundary elements have the medium around a body with holes or a force as a body of its own, and with random input
+    let separate = matches!(method.model, Model::Auto | Model::Bem)
+        && if declared.is_empty() { problem.needs_separate_medium() } else { problem.takes_separate_medium() };
     let problem = if separate { problem.with_separate_medium()? } else { problem };
     let around = problem.tie().is_some();
     let probe::Probes { points: probe, lines: probe_lines, sides: probe_sides } =

@@ -174,7 +174,7 @@ fn varies(expression: &Expression, declared: &[(String, Declared)]) -> bool {
     declared.iter().any(|(name, _)| expression.uses(name))
 }
 
-/// The numbers of a scene of one body that use random names; with `cavity` its modulus is the medium's.
+/// The numbers of a scene of one body that use random names; with `cavity` its modulus is the medium's, else a medium is body 1.
 pub(super) fn constants(
     scene: &Fields<'_>,
     cavity: bool,
@@ -187,6 +187,9 @@ pub(super) fn constants(
         constants.young.extend(varying(&of_modulus, "young", declared, context)?.map(|young| (0, young)));
     }
     if let Some(exterior) = table("exterior")? {
+        if !cavity {
+            constants.young.extend(varying(&exterior, "young", declared, context)?.map(|young| (1, young)));
+        }
         constants.remote_stress = varying_stress(&exterior, declared, context)?;
     }
     Ok(constants)

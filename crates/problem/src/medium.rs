@@ -303,8 +303,10 @@ impl Scene {
             }
         }
         if self.random.is_some() {
-            let message = "random input needs one material, and there are a body and a medium";
-            return refuse(Kind::Unsupported, &["random"], message, "leave out [random], or remove [exterior]");
+            let message = "random input of a body in a medium needs boundary elements: one material, no [grid] that is asked for, no \
+                           stress_jump, and a force that is affine in x and y";
+            let help = "give numbers to [material] and leave method.model at \"auto\", or leave out [random]";
+            return refuse(Kind::Unsupported, &["random"], message, help);
         }
         if model == Model::Bem {
             let help = format!("{}; or use model = \"fem-bem\" with a [grid]", without_medium_around(self));

@@ -13,16 +13,18 @@ impl Problem {
     }
 
     /// Whether boundary elements need the medium around the body as a body of its own, and can have it so: the body has holes or
-    /// a force that is affine in the place, one material, nothing but the medium on its outer loop, and no jump of the stress.
+    /// a force.
     pub fn needs_separate_medium(&self) -> bool {
+        self.takes_separate_medium() && (self.bodies[0].force.is_some() || self.outline.loops().len() > 1)
+    }
+
+    /// Whether boundary elements can have the medium around the body as a body of its own: the body has one material, no force or
+    /// one that is affine in the place, nothing but the medium on its outer loop, and no jump of the stress.
+    pub fn takes_separate_medium(&self) -> bool {
         let (Some(tie), [body, _]) = (self.tie(), &self.bodies[..]) else { return false };
         let is_affine = body.force.is_none() || body.force_gradient().is_some();
-        let more = body.force.is_some() || self.outline.loops().len() > 1;
         let is_bare = |&side: &usize| self.sides[side].is_free() && self.contact(side).is_none();
-        more && is_affine
-            && body.cells().is_none()
-            && tie.stress_jump.is_none()
-            && self.outer_sides().iter().all(is_bare)
+        is_affine && body.cells().is_none() && tie.stress_jump.is_none() && self.outer_sides().iter().all(is_bare)
     }
 
     /// The same problem with the medium around the body as the last body, tied to it and without a grid: its sides are those of the
