@@ -325,3 +325,63 @@ fn what_galerkin_cannot_treat_is_refused_by_name() {
     }
     assert_eq!(check(uniform, tension, "", &same), "");
 }
+
+/// A modulus that nearly vanishes in a part of the body shows in no coefficient of a low degree: the ends of the germ do. Against
+/// Galerkin of degree 48, and by Gauss rules of 300 points of another code.
+#[test]
+fn a_weak_part_is_seen_at_the_ends_of_the_germs() {
+    let text = |young: &str, sides: &str, tolerance: f64| {
+        format!(
+            "title = \"weak\"\n[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\n\
+             [material]\npoisson = 0.3\n[material.cells]\nsize = 0.25\nyoung = \"{young}\"\n[grid]\ncoarse = [8, 4]\nfine = [1, 1]\n\
+             {sides}[probe]\npoints = [[1, 0.5], [0.5, 0.25], [1.5, 1]]\n[method]\nrefine = \"none\"\n\
+             [random.a]\ndistribution = \"uniform\"\nlow = -1\nhigh = 1\n[stochastic]\nmethod = \"galerkin\"\n\
+             tolerance = {tolerance}\nquantities = [\"probe.0.displacement.y\", \"probe.1.displacement.y\", \
+             \"probe.2.displacement.y\"]\n"
+        )
+    };
+    let pulled = "[sides.left]\ndisplacement = [0, 0]\n[sides.right]\ntraction = [1, 0.01]\n";
+    let held = "[sides.left]\ndisplacement = [\"0.01*y\", \"free\"]\n[sides.bottom]\ndisplacement = [\"free\", \"0.02*x\"]\n\
+                [sides.right]\ndisplacement = [0.1, \"free\"]\n";
+    let inside = "1 + 0.995*a*if(x < 1.75, if(y < 0.75, if(y > 0.25, 1, 0), 0), 0)";
+    let corner = "1 + 0.99*a*if(x < 1, if(y < 0.5, 1, 0), 0)";
+    for (young, sides, tolerance, known) in [
+        (inside, pulled, 0.05, Some([0.1314424, 0.1433016, 0.0043643])),
+        (inside, pulled, 0.01, None),
+        (corner, held, 0.01, None),
+        (corner, held, 0.001, None),
+        (corner, held, 0.0003, None),
+    ] {
+        let scene = read(&text(young, sides, tolerance));
+        let mut fixed = scene.clone();
+        let settings = &mut fixed.random.as_mut().unwrap().stochastic;
+        (settings.of_deviation, settings.degree) = (false, 48);
+        let (own, exact) = (outcomes(&scene), outcomes(&fixed));
+        for (k, (own, exact)) in own.quantities.iter().zip(&exact.quantities).enumerate() {
+            let off = (own.mean - exact.mean).abs() / exact.variance.sqrt();
+            // the root mean square of what is left out is at least this
+            let left_out = (exact.variance.sqrt() - own.variance.sqrt()).abs();
+            let truncation = own.truncation.unwrap();
+            println!("{tolerance}, {k}: mean off by {off:e}, deviation by {left_out:e}, truncation {truncation:e}");
+            assert!(off < tolerance && left_out < truncation, "{k}: {off:e} {left_out:e} {truncation:e}");
+            if let Some(known) = known {
+                assert!((exact.mean - known[k]).abs() < 1e-6, "{k}: {} {}", exact.mean, known[k]);
+            }
+        }
+        println!("degree {}, {:?}", own.cells.as_ref().unwrap().degree[0][0], own.end);
+        assert_eq!(own.end, End::Tolerance);
+    }
+}
+
+/// A component that symmetry makes zero does not raise the degree: rounding is relative to the vector.
+#[test]
+fn quantities_that_are_zero_do_not_raise_the_degree() {
+    let text = "title = \"symmetric\"\n[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\n\
+                [material]\npoisson = 0.3\n[material.cells]\nsize = 0.125\nyoung = \"1 + 0.5*a*if(x < 1, 1, 0) + 0.5*b*if(x < 1, 0, 1)\"\n\
+                [grid]\ncoarse = [16, 8]\nfine = [1, 1]\n[sides.left]\ndisplacement = [0, 0]\n[sides.right]\ntraction = [1, 0]\n\
+                [probe]\npoints = [[2, 0.5]]\n[method]\nrefine = \"none\"\n[random]\na = { distribution = \"uniform\", low = -1, high = 1 }\n\
+                b = { distribution = \"uniform\", low = -1, high = 1 }\n[stochastic]\nmethod = \"galerkin\"\n\
+                quantities = [\"probe.0.displacement.x\", \"probe.0.displacement.y\"]\n";
+    let result = outcomes(&read(text));
+    assert!(result.end == End::Tolerance && result.solved < 20, "{:?} {}", result.end, result.solved);
+}

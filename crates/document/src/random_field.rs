@@ -90,7 +90,7 @@ impl DeclaredField {
             let help = "a field without truncation is normal: leave variables out, or give a number of modes";
             return Err(ReadError::new(DataErrorKind::Conflict, variables.item.place, message, help));
         }
-        let uniform = uniform.unwrap_or(modes != Modes::Drawn || covariance.is_none());
+        let uniform = uniform.unwrap_or(modes != Modes::Drawn);
         Ok(Self { covariance, modes, support, uniform, place: field.item.place })
     }
 

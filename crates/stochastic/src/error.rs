@@ -85,8 +85,8 @@ pub enum StochasticError {
     },
     /// A covariance that no torus within the limits has.
     #[error(
-        "on a torus {times} times as long as the grid the covariance is not positive: take a number of modes instead of all, \
-         which a field so smooth does not need, or a shorter correlation length"
+        "on a torus {times} times as long as the grid the covariance is not positive, as the field is too smooth or too long along \
+         an axis: take a number of modes instead of all, few of which have most of its variance, or a shorter correlation length"
     )]
     Embedding {
         /// Length of the longest torus over that of the grid.

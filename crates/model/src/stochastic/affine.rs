@@ -16,6 +16,7 @@ use super::number::Number;
 use super::on_grid::{OutcomesOnGrid, numbers_of};
 use super::outcomes::Answer;
 use super::result::{BINS, BLOCK, Cells, End, KEPT, OVERLOOKED, StochasticResult, Watch, bounds, of_grid};
+use super::spread::is_rounding;
 use super::unseen::SAFETY;
 use crate::error::SolveError;
 use crate::grid::{AffineGrid, GridLayout, OfBlock};
@@ -35,8 +36,6 @@ const POLYNOMIALS: f64 = 1e6;
 const MEMORY: f64 = 1e8;
 /// A loss of moduli is not taken as nearer to 1.
 const SLOWEST: f64 = 1.0 - 1e-8;
-/// Relative to the mean square, variances below this are rounding.
-const NO_VARIANCE: f64 = 1e-20;
 
 /// The scene and what it asks for.
 pub(super) struct Asked<'a> {
@@ -44,6 +43,8 @@ pub(super) struct Asked<'a> {
     pub(super) random: &'a Random,
     pub(super) layout: &'a GridLayout,
     pub(super) numbers: &'a [Number],
+    /// The largest nominal value of those of one scale with each number.
+    pub(super) scales: &'a [f64],
 }
 
 /// The polynomials of everything that is told.
@@ -67,6 +68,14 @@ struct Fresh {
     quantities: Vec<f64>,
     displacement: Vec<f64>,
     body: HeterogeneousBody,
+}
+
+impl Fresh {
+    fn solved(asked: &Asked<'_>, germs: Vec<f64>) -> Result<Self, SolveError> {
+        let (scene, solved) = asked.outcomes.solve(&germs)?;
+        let quantities = numbers_of(&scene, &solved, asked.numbers).quantities;
+        Ok(Self { germs, quantities, displacement: solved.displacement, body: solved.body })
+    }
 }
 
 /// What the polynomials leave out.
@@ -93,14 +102,14 @@ pub(super) fn of_affine(asked: &Asked<'_>, grid: &Grid, watch: &Watch<'_>) -> Re
     let mean = scene.outcome(&means)?;
     let equations = AffineGrid::new(&mean, asked.layout, &moduli)?;
     let mut degree = if settings.of_deviation { FIRST } else { settings.degree };
-    let mut fresh: Vec<Fresh> = Vec::new();
+    let (mut fresh, ends) = (Vec::new(), at_ends(asked, &variables, watch)?);
     let (polynomials, truncation, end) = loop {
         watch.check()?;
         let basis = TotalDegree::new(&variables, degree)?;
         let polynomials = polynomials(asked, basis, (&equations, &moduli), &variables, watch)?;
         draw(&mut fresh, polynomials.energies.len(), asked, &variables, watch)?;
-        let truncation = polynomials.truncation(&fresh, moduli.largest_loss);
-        if let Some(end) = polynomials.end(&truncation, settings) {
+        let truncation = polynomials.truncation(&fresh, &ends, moduli.largest_loss);
+        if let Some(end) = polynomials.end(&truncation, asked) {
             break (polynomials, truncation, end);
         }
         degree += 1;
@@ -109,7 +118,7 @@ pub(super) fn of_affine(asked: &Asked<'_>, grid: &Grid, watch: &Watch<'_>) -> Re
     let mut result = polynomials.at_points(asked, points, (&moduli, grid))?;
     polynomials.add_samples(scene, asked.random, &variables, &mut result, watch)?;
     polynomials.add_truncation(settings, &variables, &truncation, &mut result);
-    (result.checks, result.end) = (fresh.len(), end);
+    (result.checks, result.end) = (fresh.len() + 2 * ends.len(), end);
     Ok(result)
 }
 
@@ -228,8 +237,7 @@ impl Polynomials {
         for (quantity, coefficients) in result.quantities.iter_mut().zip(&self.quantities) {
             quantity.mean = coefficients[0];
             quantity.variance = coefficients[1..].iter().map(|c| c * c).sum();
-            let square = quantity.mean * quantity.mean + quantity.variance;
-            quantity.effects = (quantity.variance > NO_VARIANCE * square).then(|| self.basis.effects(coefficients));
+            quantity.effects = (quantity.variance > 0.0).then(|| self.basis.effects(coefficients));
         }
         (result.solved, result.iterations, result.coupled) = (self.basis.degrees().len(), self.iterations, true);
         Ok(result)
@@ -290,13 +298,34 @@ impl Polynomials {
         ((0..self.quantities.len()).map(square).collect(), relative)
     }
 
-    /// What is left out, by T_p, the root mean square of the coefficients of degree p, or by fresh outcomes if they show more; both
-    /// half as much again.
+    /// Mean squares of what the ends of the germs show to be left out of each quantity. With e = ψ_(p+1) A/(1 + c x) there, of one
+    /// germ, c from the errors at both ends and at most the loss: E e² = A² (1 - c²)^(-3/2). Where moduli nearly vanish in a small
+    /// part of the body, few outcomes and no coefficient of a low degree show it.
+    fn at_ends(&self, ends: &[[Fresh; 2]], loss: f64) -> Vec<f64> {
+        let mut squares = vec![0.0; self.quantities.len()];
+        for (m, both) in ends.iter().enumerate() {
+            let psi = [0, 1].map(|k| self.basis.values(&both[k].germs));
+            let highest = self.basis.degrees().iter().position(|a| usize::from(a[m]) == self.basis.degree());
+            for (k, square) in squares.iter_mut().enumerate() {
+                let off = [0, 1].map(|e| (both[e].quantities[k] - self.value(&psi[e], &self.quantities[k])).abs());
+                let (less, more) = (off[0].min(off[1]), off[0].max(off[1]));
+                if more > 0.0 {
+                    let c = ((more - less) / (more + less)).min(loss.min(SLOWEST));
+                    let polynomial = highest.map_or(1.0, |a| psi[usize::from(off[1] > off[0])][a].abs());
+                    *square += (more * (1.0 - c) / polynomial).powi(2) * (1.0 - c * c).powf(-1.5);
+                }
+            }
+        }
+        squares
+    }
+
+    /// What is left out, by T_p, the root mean square of the coefficients of degree p, or by fresh outcomes or the ends of the germs if
+    /// they show more; half as much again.
     ///
     /// The equations of degree p give T_p = c/2 T_(p-1) for moduli 1 + c x, x in [-1, 1], and what is left out solves K(ξ) e = r
     /// with r = c/2 T_p ψ_(p+1): E e² = (c/2)² T_p² E ψ²_(p+1)/(1 + c x)², which tends to (c/2)² T_p² (1 - c²)^(-3/2). Several
     /// germs have the c of the last two degrees, which is at most the loss of the moduli.
-    fn truncation(&self, fresh: &[Fresh], loss: f64) -> Truncation {
+    fn truncation(&self, fresh: &[Fresh], ends: &[[Fresh; 2]], loss: f64) -> Truncation {
         let p = self.basis.degree();
         let energies = self.by_degree(self.energies.iter().copied());
         let total: f64 = energies.iter().sum();
@@ -304,7 +333,8 @@ impl Polynomials {
         let fall = |above: f64, below: f64| if below > 0.0 { (above / below).sqrt().min(most) } else { 0.0 };
         let ratio = if p == 0 { most } else { fall(energies[p], energies[p - 1]) };
         let rest = ratio * (1.0 - 4.0 * ratio * ratio).powf(-0.75);
-        let (squares, relative) = self.measured(fresh);
+        let (mut squares, relative) = self.measured(fresh);
+        squares.iter_mut().zip(self.at_ends(ends, loss)).for_each(|(square, at_ends)| *square = square.max(at_ends));
         let of = |(coefficients, squared): (&Vec<f64>, f64)| {
             let parts = self.by_degree(coefficients.iter().map(|c| c * c));
             // degrees of symmetric quantities alternate
@@ -320,13 +350,15 @@ impl Polynomials {
 
     /// Why no higher degree is solved, if none is: the degree is given, the means have the tolerance, or the next degree is too
     /// high or has too many polynomials.
-    fn end(&self, truncation: &Truncation, settings: &Stochastic) -> Option<End> {
+    fn end(&self, truncation: &Truncation, asked: &Asked<'_>) -> Option<End> {
+        let settings = &asked.random.stochastic;
         if !settings.of_deviation {
             return Some(End::Solved);
         }
         let varying = (self.energies[1..].iter().sum::<f64>() / self.energies[0].max(f64::MIN_POSITIVE)).sqrt();
         let allowed = settings.tolerance / (2.0 * varying).max(1.0);
-        if self.quantities.iter().zip(&truncation.quantities).all(|(q, left_out)| is_reached(q, *left_out, allowed)) {
+        let mut all = self.quantities.iter().zip(&truncation.quantities).zip(asked.scales);
+        if all.all(|((q, left_out), scale)| is_reached(q, *left_out, allowed, *scale)) {
             return Some(End::Tolerance);
         }
         let (p, d, count) = (self.basis.degree(), self.basis.degrees()[0].len(), self.energies.len() as f64);
@@ -368,10 +400,21 @@ impl Polynomials {
 /// Whether (truncation/deviation)² of a quantity with these coefficients is allowed. By the orthogonality of Galerkin's equations
 /// the error of its mean is the product of what the polynomials of the solution and of the quantity's dual leave out, in the
 /// norm of K(ξ) ≤ 2 K_0: 2 V (truncation/deviation)² of the deviation for a solution that varies by V times its mean.
-fn is_reached(coefficients: &[f64], left_out: f64, allowed: f64) -> bool {
+fn is_reached(coefficients: &[f64], left_out: f64, allowed: f64, scale: f64) -> bool {
     let variance: f64 = coefficients[1..].iter().map(|c| c * c).sum();
-    let varies = variance > NO_VARIANCE * (coefficients[0] * coefficients[0] + variance);
-    !varies || left_out * left_out <= allowed * variance
+    is_rounding(variance.sqrt(), scale.max(coefficients[0].abs())) || left_out * left_out <= allowed * variance
+}
+
+/// The outcomes at both ends of each germ, the others at their means.
+fn at_ends(asked: &Asked<'_>, variables: &[Variable], watch: &Watch<'_>) -> Result<Vec<[Fresh; 2]>, SolveError> {
+    let means: Vec<f64> = variables.iter().map(Variable::mean).collect();
+    let at = |m: usize, end: usize| {
+        watch.check()?;
+        let mut germs = means.clone();
+        germs[m] = variables[m].germ_support()[end];
+        Fresh::solved(asked, germs)
+    };
+    (0..variables.len()).into_par_iter().map(|m| Ok([at(m, 0)?, at(m, 1)?])).collect()
 }
 
 /// Draws fresh outcomes beside `count` polynomials, as many as they need.
@@ -385,10 +428,7 @@ fn draw(
     let settings = &asked.random.stochastic;
     let one = |i: usize| {
         watch.check()?;
-        let germs = sample(variables, settings.seed ^ STREAM, i as u64);
-        let (scene, solved) = asked.outcomes.solve(&germs)?;
-        let quantities = numbers_of(&scene, &solved, asked.numbers).quantities;
-        Ok(Fresh { germs, quantities, displacement: solved.displacement, body: solved.body })
+        Fresh::solved(asked, sample(variables, settings.seed ^ STREAM, i as u64))
     };
     let more: Result<Vec<Fresh>, SolveError> =
         (fresh.len()..wanted(settings, count).min(FRESH)).into_par_iter().map(one).collect();

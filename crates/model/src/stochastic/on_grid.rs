@@ -53,7 +53,7 @@ pub fn solve_stochastic_on_grid(
     let method = random.stochastic.method;
     let mut result = match method {
         Sampling::Galerkin => {
-            let asked = Asked { outcomes: &outcomes, random, layout, numbers: &numbers };
+            let asked = Asked { outcomes: &outcomes, random, layout, numbers: &numbers, scales: &scales };
             of_affine(&asked, &solved.body.grid, &watch)?
         }
         Sampling::Multilevel => of_levels((scene, layout), random, (&numbers, &scales), &watch)?,

@@ -146,9 +146,9 @@ fn chance(text: &mut String, all: &Chance) {
     let _ = writeln!(text, "reference   {}, {} solves", all.reference, all.solves);
     let width = all.quantities.iter().map(|q| q.name.len()).fold(10, usize::max);
     for q in &all.quantities {
-        let [mean, variance] = q.uncertainty;
+        let [mean, variance] = [0, 1].map(|k| q.uncertainty[k] * q.scale[k]);
         let known = if q.varies() {
-            format!("variance {:.9e}, may be off by {mean:.0e} and {variance:.0e} of that", q.variance)
+            format!("± {mean:.0e}, variance {:.9e} ± {variance:.0e}", q.variance)
         } else {
             "not random".into()
         };
@@ -179,7 +179,8 @@ fn chance(text: &mut String, all: &Chance) {
 fn rules(text: &mut String, all: &Chance) {
     let shown = all.shown();
     let heads: String = shown.iter().map(|&k| format!(" {:>19}", tail(&all.quantities[k].name, 19))).collect();
-    let _ = writeln!(text, "\n{:<25} {:>16} {:>6}{heads} {:>10} {:>8}", "errors", "", "", "contact", "");
+    let _ =
+        writeln!(text, "\n{:<25} {:>16} {:>6}{heads} {:>10} {:>8}", "errors over the vector", "", "", "contact", "");
     let heads = format!(" {:>9} {:>9}", "mean", "variance").repeat(shown.len());
     let _ = writeln!(text, "{:<25} {:>16} {:>6}{heads} {:>10} {:>8}", "rule", "", "solves", "iterations", "seconds");
     let Some(&first) = shown.first() else { return };
