@@ -30,6 +30,9 @@ const SAFETY: [f64; 2] = [1.5, 1.1];
 const FALLS: f64 = 0.7;
 /// Part of the variance of outcomes alone below which the corrected one is not believed.
 const FEWEST: f64 = 0.25;
+/// Mean residual over the tail of a germ that N outcomes are likely to miss, of the probability 1/N, as a part of that at its
+/// end: 0.4 for 1/(1 + c x) with c = 0.995 and N = 100.
+const TAIL: f64 = 0.4;
 /// Factor by which the number of outcomes grows at most before residuals are looked at again.
 const GROWTH: usize = 4;
 
@@ -173,10 +176,14 @@ pub(super) fn of_corrected(
         };
         missed = rule.missed(&surrogate, watch)?;
         let have = rule.fresh.answers.len();
-        if missed.probability.is_none() || have >= most {
+        let wanted = match missed.probability {
+            Some(_) => GROWTH * have,
+            None => (missed.excess.min(GROWTH as f64) * have as f64).ceil() as usize,
+        };
+        if wanted <= have || have >= most {
             break;
         }
-        rule.draw((GROWTH * have).min(most), watch)?;
+        rule.draw(wanted.min(most), watch)?;
     }
     if missed.probability.is_some() && end == End::Tolerance {
         end = End::Rounds;
@@ -212,6 +219,10 @@ struct Missed {
     shifts: Vec<f64>,
     /// Probability that they may have, where that counts.
     probability: Option<f64>,
+    /// By how much the tails of the germs, in which no outcome may lie, shift mean and variance of each quantity.
+    tails: Vec<[f64; 2]>,
+    /// The largest squared error of a mean, with that, over the squared tolerance.
+    excess: f64,
     /// How many were solved.
     looked: usize,
 }
@@ -320,8 +331,16 @@ impl Rule<'_> {
         let is_other = |answer: &Answer, germs: &[f64]| other(answer) || self.outcomes.data.differ(&seen, germs);
         let others = answers.iter().filter(|(answer, germs, _)| is_other(answer, germs));
         let others: Vec<_> = others.map(|(answer, germs, p)| (answer, surrogate.values(germs), p)).collect();
-        let mut missed = Missed { shifts: Vec::new(), probability: None, looked: answers.len() };
-        for (k, Measured { mean, variance, residual, .. }) in surrogate.measured(&self.fresh).into_iter().enumerate() {
+        let nominal = self.random.nominal();
+        let is_end = |germs: &[f64]| germs.iter().zip(&nominal).filter(|(a, b)| a != b).count() == 1;
+        let ends = answers.iter().filter(|(_, germs, _)| is_end(germs));
+        let ends: Vec<_> = ends.map(|(answer, germs, _)| (answer, surrogate.values(germs))).collect();
+        let mut missed =
+            Missed { shifts: Vec::new(), probability: None, tails: Vec::new(), excess: 0.0, looked: answers.len() };
+        let share = TAIL / self.fresh.answers.len() as f64;
+        for (k, Measured { mean, mean_error, variance, residual, .. }) in
+            surrogate.measured(&self.fresh).into_iter().enumerate()
+        {
             let told = (residual / self.fresh.answers.len() as f64).sqrt();
             let allowed = told.max(self.random.stochastic.tolerance * variance.max(0.0).sqrt());
             let mut most = 0.0f64;
@@ -333,6 +352,18 @@ impl Rule<'_> {
                 }
             }
             missed.shifts.push(most);
+            let mut tail = [0.0f64; 2];
+            for (answer, foreseen) in &ends {
+                let residual = answer.quantities[k] - foreseen[k];
+                let squared = (2.0 * (foreseen[k] - mean) + TAIL * residual) * residual;
+                tail = [tail[0].max(share * residual.abs()), tail[1].max(share * squared.abs())];
+            }
+            let (error, deviation) = (mean_error.hypot(tail[0]), variance.max(0.0).sqrt());
+            if !is_rounding(error, self.outcomes.scales[k].max(mean.abs())) {
+                let over = error / (self.random.stochastic.tolerance * deviation);
+                missed.excess = missed.excess.max(over * over);
+            }
+            missed.tails.push(tail);
         }
         if undecided > UNDECIDED {
             missed.probability = Some(missed.probability.map_or(undecided, |u| u.max(undecided)));
@@ -356,11 +387,13 @@ impl Rule<'_> {
         observe(OutcomeStage::Answers { first: 0, count: answers.len(), answers: &answers })?;
         let mut result = of_grid(points, weights, &answers, self.outcomes.numbers)?;
         let measured = surrogate.measured(&self.fresh);
-        for ((quantity, measured), shift) in result.quantities.iter_mut().zip(measured).zip(&missed.shifts) {
+        for (k, (quantity, measured)) in result.quantities.iter_mut().zip(measured).enumerate() {
             let Measured { mean, mean_error, variance, variance_error, .. } = measured;
+            let [of_mean, of_variance] = missed.tails[k];
             (quantity.mean, quantity.variance) = (mean, variance);
-            (quantity.standard_error, quantity.variance_error) = (Some(mean_error), Some(variance_error));
-            quantity.truncation = Some(*shift);
+            quantity.standard_error = Some(mean_error.hypot(of_mean));
+            quantity.variance_error = Some(variance_error.hypot(of_variance));
+            quantity.truncation = Some(missed.shifts[k]);
         }
         if surrogate.kept.len() < self.random.germs.len() {
             let left_out = self.outcomes.kept.left_out(surrogate.kept.len());
