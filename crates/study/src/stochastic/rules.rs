@@ -38,18 +38,18 @@ pub const FAMILIES: [Family; 9] = [
     family("elements of degree 3", "elements", Kind::Points),
     family("adaptive stochastic mesh", "tolerance", Kind::ToTolerance),
     family("sparse grid", "level", Kind::Points),
+    family("Monte Carlo", "samples", Kind::Samples),
     family("Galerkin, total degree", "degree", Kind::Points),
     family("corrected polynomials", "tolerance", Kind::ToTolerance),
     family("multilevel Monte Carlo", "tolerance", Kind::ToTolerance),
-    family("Monte Carlo", "samples", Kind::Samples),
 ];
 /// Numbers of families in [`FAMILIES`].
 const ADAPTED: usize = 3;
 const SPARSE: usize = 4;
-const AT_ONCE: usize = 5;
-const CORRECTED: usize = 6;
-const MULTILEVEL: usize = 7;
-pub(super) const MONTE_CARLO: usize = 8;
+pub(super) const MONTE_CARLO: usize = 5;
+const AT_ONCE: usize = 6;
+const CORRECTED: usize = 7;
+const MULTILEVEL: usize = 8;
 
 /// Largest number of solves of a rule.
 pub(super) const LIMIT: f64 = 2000.0;
