@@ -305,7 +305,7 @@ impl Polynomials {
         let mut squares = vec![0.0; self.quantities.len()];
         for (m, both) in ends.iter().enumerate() {
             let psi = [0, 1].map(|k| self.basis.values(&both[k].germs));
-            let highest = self.basis.degrees().iter().position(|a| usize::from(a[m]) == self.basis.degree());
+            let highest = self.basis.degrees().iter().position(|a| a[m] == self.basis.degree());
             for (k, square) in squares.iter_mut().enumerate() {
                 let off = [0, 1].map(|e| (both[e].quantities[k] - self.value(&psi[e], &self.quantities[k])).abs());
                 let (less, more) = (off[0].min(off[1]), off[0].max(off[1]));
