@@ -218,6 +218,10 @@ fn a_disc_and_the_medium_around_it_have_random_moduli() {
             assert!((value - exact).abs() < 1e-8 * (p.abs() + 1.0), "{name} for {values:?}: {value}, exact {exact}");
         }
     }
+    // a name that nothing uses changes nothing
+    let unused = text.replace("4*a", "4").replace("young = \"b\"", "young = 2").replace("\"p\"", "1");
+    let scene = read(&unused[..unused.find("[stochastic]").unwrap()]);
+    assert!(scene.random.is_none() && scene.problem.tie().is_some());
     let corners = "corners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\"]";
     let own_grid = format!("{text}[grid]\ncoarse = [8, 8]\nfine = [1, 1]\n")
         .replace("circle = { centre = [0, 0], radius = 1 }\nside = \"rim\"", corners)

@@ -197,9 +197,13 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     };
     let in_sides = context.used.take();
     let method = method::method(fields.get("method"))?;
+    let forces = problem.bodies.iter().flat_map(|body| &body.force).flatten();
+    let in_body_force: BTreeSet<String> = forces.flat_map(|f| f.names().iter().cloned()).collect();
+    let used = |name: &str| [&in_material, &in_sides, &in_body_force].iter().any(|u| u.contains(name));
     // boundary elements have the medium around a body with holes or a force as a body of its own, and with random input
+    let is_random = declared.iter().any(|(name, _)| used(name));
     let separate = matches!(method.model, Model::Auto | Model::Bem)
-        && if declared.is_empty() { problem.needs_separate_medium() } else { problem.takes_separate_medium() };
+        && if is_random { problem.takes_separate_medium() } else { problem.needs_separate_medium() };
     let problem = if separate { problem.with_separate_medium()? } else { problem };
     let around = problem.tie().is_some();
     let probe::Probes { points: probe, lines: probe_lines, sides: probe_sides } =
@@ -208,8 +212,6 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     if let Some(field) = fields.get("expect") {
         method::expect(&field, "", &mut expect)?;
     }
-    let forces = problem.bodies.iter().flat_map(|body| &body.force).flatten();
-    let in_body_force = forces.flat_map(|f| f.names().iter().cloned()).collect();
     // a constant force alone has a resultant, one that differs from place to place may be balanced
     let first = &problem.bodies[0];
     let of_first = first.force.is_some() && (around || first.constant_force().is_none());
@@ -218,7 +220,6 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
         something_acts(&fields, &problem)?;
     }
     random::check_fields(&problem, &declared)?;
-    let used = |name: &str| [&in_material, &in_sides, &in_body_force].iter().any(|u| u.contains(name));
     let mut unused: Vec<String> = declared.iter().map(|(name, _)| name.clone()).filter(|name| !used(name)).collect();
     unused.extend(unused_parameters(&parameter_uses, &used));
     if declared.is_empty() && fields.get("stochastic").is_some() {

@@ -65,7 +65,7 @@ const DEGREE: usize = 11;
 /// Most germs of a reference by a sparse grid on grids.
 const SMOOTH: usize = 10;
 /// Most polynomials of Galerkin on a grid.
-const POLYNOMIALS: f64 = 1000.0;
+const POLYNOMIALS: usize = 1000;
 /// Tolerance of a reference that samples, and most outcomes of one by differences between grids.
 const SAMPLED: f64 = 0.002;
 const OF_LEVELS: usize = 50_000;
@@ -143,7 +143,7 @@ pub(super) fn reference(scene: &Scene, random: &Random) -> Finest {
     }
     let rule = |degree| Stochastic { method: Sampling::Collocation, ..tensor(random, 1, degree) };
     let least = random.stochastic.degree + 2;
-    match largest((scene, random), least..=DEGREE.max(least), &rule) {
+    match largest((scene, random), least..=DEGREE.max(least), REFERENCE, &rule) {
         Some(degree) => {
             let name = format!("collocation of degree {degree} on one element");
             Finest { finest: rule(degree), before: rule(degree - 1), name }
@@ -152,18 +152,19 @@ pub(super) fn reference(scene: &Scene, random: &Random) -> Finest {
     }
 }
 
-/// The largest affordable number of those that give a rule.
+/// The largest number that gives a rule of at most so many points.
 fn largest(
     (scene, random): (&Scene, &Random),
     numbers: RangeInclusive<usize>,
+    most: usize,
     rule: &dyn Fn(usize) -> Stochastic,
 ) -> Option<usize> {
-    numbers.take_while(|&k| count(scene, random, &rule(k)) <= REFERENCE as f64).last()
+    numbers.take_while(|&k| count(scene, random, &rule(k)) <= most as f64).last()
 }
 
 fn finest_sparse(scene: &Scene, random: &Random) -> Finest {
     let rule = |level| sparse(random, level);
-    let level = largest((scene, random), 1..=6, &rule).unwrap_or(1);
+    let level = largest((scene, random), 1..=6, REFERENCE, &rule).unwrap_or(1);
     Finest { finest: rule(level), before: rule(level - 1), name: format!("sparse grid of level {level}") }
 }
 
@@ -172,8 +173,7 @@ fn finest_sparse(scene: &Scene, random: &Random) -> Finest {
 fn on_grid(scene: &Scene, random: &Random) -> Finest {
     if scene.takes_galerkin() {
         let rule = |degree| at_once(random, degree);
-        let fits = |degree: &usize| count(scene, random, &rule(*degree)) <= POLYNOMIALS;
-        if let Some(degree) = (2..=DEGREE).take_while(fits).last() {
+        if let Some(degree) = largest((scene, random), 2..=DEGREE, POLYNOMIALS, &rule) {
             let name = format!("Galerkin of total degree {degree}");
             return Finest { finest: rule(degree), before: rule(degree - 1), name };
         }
