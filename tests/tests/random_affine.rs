@@ -395,6 +395,23 @@ fn a_weak_part_is_seen_at_the_ends_of_the_germs() {
     }
 }
 
+/// 1/(1 + c a) by a sparse grid of level 2: the deviation is off by less than the truncation, and where that is more than the
+/// deviation the outcomes are in doubt.
+#[test]
+fn sparse_grids_know_the_tails_that_outcomes_miss() {
+    for c in [0.5, 0.9, 0.99, 0.999, 0.9999] {
+        let text = bar_text(&format!("1 + {c}*(a - 1)"), "traction = [1, 0]", "level = 2");
+        let result = outcomes(&read(&text.replace("\"galerkin\"", "\"sparse\"")));
+        let tip = quantity(&result, "probe.0.displacement.x");
+        let mean = f64::atanh(c) / c;
+        let deviation = (1.0 / (1.0 - c * c) - mean * mean).sqrt();
+        let (own, truncation) = (tip.variance.sqrt(), tip.truncation.unwrap());
+        println!("{c}: mean {} of {mean}, deviation {own} of {deviation}, truncation {truncation}", tip.mean);
+        assert!((own - deviation).abs() < truncation && (tip.mean - mean).abs() < truncation, "{c}: {truncation}");
+        assert_eq!(result.is_doubtful(), truncation > own, "{c}: {truncation} {own}");
+    }
+}
+
 /// A component that symmetry makes zero does not raise the degree: rounding is relative to the vector.
 #[test]
 fn quantities_that_are_zero_do_not_raise_the_degree() {

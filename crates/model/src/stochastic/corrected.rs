@@ -18,7 +18,7 @@ use super::result::{End, OVERLOOKED, StochasticResult, UNDECIDED, Watch, of_grid
 use super::samples::of_samples;
 use super::spread::{is_rounding, spread};
 use super::stage::OutcomeStage;
-use super::unseen::{Unseen, beside_samples, other_contact, unseen};
+use super::unseen::{TAIL, Unseen, beside_samples, other_contact, unseen};
 use crate::error::SolveError;
 
 /// Fresh outcomes at first, and the number from which on their root mean square is believed.
@@ -30,9 +30,6 @@ const SAFETY: [f64; 2] = [1.5, 1.1];
 const FALLS: f64 = 0.7;
 /// Part of the variance of outcomes alone below which the corrected one is not believed.
 const FEWEST: f64 = 0.25;
-/// Mean residual over the tail of a germ that N outcomes are likely to miss, of the probability 1/N, as a part of that at its
-/// end: 0.4 for 1/(1 + c x) with c = 0.995 and N = 100.
-const TAIL: f64 = 0.4;
 /// Factor by which the number of outcomes grows at most before residuals are looked at again.
 const GROWTH: usize = 4;
 
@@ -185,8 +182,12 @@ pub(super) fn of_corrected(
         }
         rule.draw(wanted.min(most), watch)?;
     }
-    if missed.probability.is_some() && end == End::Tolerance {
-        end = End::Rounds;
+    if end == End::Tolerance {
+        end = match missed.probability {
+            Some(_) => End::Rounds,
+            None if missed.excess > 1.0 => End::MaxNodes,
+            None => End::Tolerance,
+        };
     }
     rule.gathered(surrogate, missed, end, observe)
 }
@@ -325,19 +326,17 @@ impl Rule<'_> {
     fn missed(&self, surrogate: &Surrogate, watch: &Watch<'_>) -> Result<Missed, SolveError> {
         let points: Vec<Vec<f64>> = surrogate.grid.points.iter().chain(&self.fresh.germs).cloned().collect();
         let all: Vec<&Answer> = surrogate.answers.iter().chain(&self.fresh.answers).collect();
-        let Unseen { answers, undecided } =
+        let Unseen { answers, ends, undecided } =
             unseen(self.outcomes, self.random, &points, self.fresh.answers.len(), watch)?;
         let (other, seen) = (other_contact(&all), self.outcomes.data.seen(&points));
         let is_other = |answer: &Answer, germs: &[f64]| other(answer) || self.outcomes.data.differ(&seen, germs);
         let others = answers.iter().filter(|(answer, germs, _)| is_other(answer, germs));
         let others: Vec<_> = others.map(|(answer, germs, p)| (answer, surrogate.values(germs), p)).collect();
-        let nominal = self.random.nominal();
-        let is_end = |germs: &[f64]| germs.iter().zip(&nominal).filter(|(a, b)| a != b).count() == 1;
-        let ends = answers.iter().filter(|(_, germs, _)| is_end(germs));
-        let ends: Vec<_> = ends.map(|(answer, germs, _)| (answer, surrogate.values(germs))).collect();
+        let ends = answers[..ends].iter().map(|(answer, germs, _)| (answer, surrogate.values(germs)));
+        let ends: Vec<(&Answer, Vec<f64>)> = ends.collect();
         let mut missed =
             Missed { shifts: Vec::new(), probability: None, tails: Vec::new(), excess: 0.0, looked: answers.len() };
-        let share = TAIL / self.fresh.answers.len() as f64;
+        let share = |part: usize| TAIL[part] / self.fresh.answers.len() as f64;
         for (k, Measured { mean, mean_error, variance, residual, .. }) in
             surrogate.measured(&self.fresh).into_iter().enumerate()
         {
@@ -355,8 +354,8 @@ impl Rule<'_> {
             let mut tail = [0.0f64; 2];
             for (answer, foreseen) in &ends {
                 let residual = answer.quantities[k] - foreseen[k];
-                let squared = (2.0 * (foreseen[k] - mean) + TAIL * residual) * residual;
-                tail = [tail[0].max(share * residual.abs()), tail[1].max(share * squared.abs())];
+                let squared = 2.0 * (foreseen[k] - mean) * share(0) * residual + share(1) * residual * residual;
+                tail = [tail[0].max(share(0) * residual.abs()), tail[1].max(squared.abs())];
             }
             let (error, deviation) = (mean_error.hypot(tail[0]), variance.max(0.0).sqrt());
             if !is_rounding(error, self.outcomes.scales[k].max(mean.abs())) {

@@ -21,10 +21,16 @@ pub(super) const SAFETY: f64 = 1.5;
 /// Differences below this part of a value are rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// Means of an error and of its square over the tail of a germ that N outcomes are likely to miss, of the probability 1/N, as parts
+/// of those at its end: of 1/(1 + c x) with c = 0.995 and N = 100.
+pub(super) const TAIL: [f64; 2] = [0.4, 0.2];
+
 /// Outcomes that no point has seen.
 pub(super) struct Unseen {
     /// Each with the probability that it may have.
     pub(super) answers: Vec<(Answer, Vec<f64>, f64)>,
+    /// How many of the first ones are at an end of one germ, the others nominal.
+    pub(super) ends: usize,
     /// Probability of data that are neither known nor excluded.
     pub(super) undecided: f64,
 }
@@ -66,6 +72,7 @@ pub(super) fn unseen(
             places.push((germ, likely));
         }
     }
+    let single = places.len();
     if (2..=CORNERS).contains(&ends.len()) {
         let corner = |k: usize| ends.iter().enumerate().map(|(d, e)| e[k >> d & 1]).collect();
         places.extend((0..1usize << ends.len()).map(|k| (corner(k), likely)));
@@ -77,7 +84,7 @@ pub(super) fn unseen(
         (outcomes.answer)(&places[i].0, warm)
     })?;
     let answers = answers.into_iter().zip(places).map(|(answer, (germ, p))| (answer, germ, p)).collect();
-    Ok(Unseen { answers, undecided: open.undecided.min(likely) })
+    Ok(Unseen { answers, ends: single, undecided: open.undecided.min(likely) })
 }
 
 /// Reports what samples may not have seen: outcomes beyond the range of their values may move the mean by their distance from
@@ -89,7 +96,7 @@ pub(super) fn beside_samples(
     random: &Random,
     watch: &Watch<'_>,
 ) -> Result<(), SolveError> {
-    let Unseen { answers, undecided } = unseen(outcomes, random, &result.points, result.points.len(), watch)?;
+    let Unseen { answers, undecided, .. } = unseen(outcomes, random, &result.points, result.points.len(), watch)?;
     result.checks = answers.len();
     for (k, quantity) in result.quantities.iter_mut().enumerate() {
         let low = quantity.values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -115,8 +122,8 @@ pub(super) fn beside_samples(
     Ok(())
 }
 
-/// Measures the polynomials of a sparse grid by fresh outcomes: their root mean square residual, half as much again, is the
-/// `truncation` of a quantity. Ends of germs where contact is as at no point, and other data, join with the probability that they may
+/// Measures the polynomials of a sparse grid by fresh outcomes: their root mean square residual, with what the ends of the germs show
+/// of the tails that they may miss, and half as much again, is the `truncation` of a quantity. Ends of germs where contact is as at no point, and other data, join with the probability that they may
 /// have; where that makes it more than twice as large they are in doubt.
 pub(super) fn beside_grid(
     result: &mut StochasticResult,
@@ -135,13 +142,13 @@ pub(super) fn beside_grid(
         watch.check()?;
         (outcomes.answer)(&fresh[i], warm)
     })?;
-    let Unseen { answers: ends, undecided } = unseen(outcomes, random, &grid.points, fresh.len(), watch)?;
+    let Unseen { answers: places, ends, undecided } = unseen(outcomes, random, &grid.points, fresh.len(), watch)?;
     let all: Vec<&Answer> = answers.iter().chain(&drawn).collect();
     let other = other_contact(&all);
     let seen = outcomes.data.seen(&grid.points);
-    let ends: Vec<_> =
-        ends.iter().filter(|(answer, germ, _)| other(answer) || outcomes.data.differ(&seen, germ)).collect();
-    result.checks = drawn.len() + ends.len();
+    let others: Vec<_> =
+        places.iter().filter(|(answer, germ, _)| other(answer) || outcomes.data.differ(&seen, germ)).collect();
+    result.checks = drawn.len() + others.len();
     for (k, quantity) in result.quantities.iter_mut().enumerate() {
         let residual = |answer: &Answer, germ: &[f64]| {
             let theta = polynomials.evaluate(germ);
@@ -150,8 +157,9 @@ pub(super) fn beside_grid(
         };
         let squared = drawn.iter().zip(&fresh).map(|(a, g)| residual(a, g)).sum::<f64>() / fresh.len() as f64;
         let rounding = (ROUNDING * quantity.mean).powi(2);
-        let mut most = squared;
-        for (answer, germ, probability) in &ends {
+        let at_end = places[..ends].iter().map(|(answer, germ, _)| residual(answer, germ)).fold(0.0, f64::max);
+        let mut most = squared + TAIL[1] * at_end / fresh.len() as f64;
+        for (answer, germ, probability) in &others {
             let with = squared + probability * residual(answer, germ);
             most = most.max(with);
             if with > OVERLOOKED * OVERLOOKED * squared.max(rounding) {
