@@ -136,10 +136,10 @@ fn cell(value: f64) -> String {
 
 fn chance(text: &mut String, all: &Chance) {
     let _ = write!(text, "\nin chance   on a mesh of {} dofs", all.dofs);
-    let known = all.estimate.is_finite();
-    let estimate =
-        if known { format!(", estimated relative error {:.1e} in space", all.estimate) } else { String::new() };
-    let _ = writeln!(text, "{estimate}");
+    if all.estimate.is_finite() {
+        let _ = write!(text, ", estimated relative error {:.1e} in space", all.estimate);
+    }
+    text.push('\n');
     if all.quantities.is_empty() {
         return;
     }
@@ -179,8 +179,11 @@ fn chance(text: &mut String, all: &Chance) {
 fn rules(text: &mut String, all: &Chance) {
     let shown = all.shown();
     let heads: String = shown.iter().map(|&k| format!(" {:>19}", tail(&all.quantities[k].name, 19))).collect();
-    let _ =
-        writeln!(text, "\n{:<25} {:>16} {:>6}{heads} {:>10} {:>8}", "errors over the vector", "", "", "contact", "");
+    let _ = writeln!(
+        text,
+        "\nerrors of means over the root mean square, of variances over the variance; of a component over those of its vector"
+    );
+    let _ = writeln!(text, "{:<25} {:>16} {:>6}{heads} {:>10} {:>8}", "", "", "", "contact", "");
     let heads = format!(" {:>9} {:>9}", "mean", "variance").repeat(shown.len());
     let _ = writeln!(text, "{:<25} {:>16} {:>6}{heads} {:>10} {:>8}", "rule", "", "solves", "iterations", "seconds");
     let Some(&first) = shown.first() else { return };
