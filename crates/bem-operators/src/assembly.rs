@@ -10,15 +10,26 @@
 //! all nodes of each body except those of interfaces, then the remaining skeleton of m unknowns. The kept unknowns obey the
 //! laws of contact with an obstacle, with w for u. A single body has no skeleton.
 //!
+//! The bodies may be subdomains of one body, cut along lines on which both sides have the same elements. The nodes of both
+//! sides are then one ([`shared_nodes`]), with one displacement in the skeleton and no multipliers:
+//!
+//! ```text
+//! K U = F      K = Σ R_kᵀ S_k R_k      F = Σ R_kᵀ f_k
+//! ```
+//! The tractions on both sides of a cut are those of two bodies: their sum vanishes only weakly.
+//!
 //! Cost: Σ n_k³/3 + m³/3; 8 Σ n_k² + 8 m² bytes.
+//!
+//! Source: Hsiao, Steinbach and Wendland (2000) for subdomains with their Steklov-Poincaré operators.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use faer::Mat;
 
 use crate::condense::{Springs, add_springs};
 use crate::space::Dof;
-use crate::{BemError, Condensation, CondensedLoad, Partition};
+use crate::{BemError, Condensation, CondensedLoad, Partition, Space};
 
 /// The displacement of a node along a direction, relative to what it faces: w = `direction`·u - Σ `faced`·u_j.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,6 +79,21 @@ pub struct Assembly {
 enum Holder {
     Body(usize),
     Skeleton,
+    /// A shared node that is held already.
+    Before,
+}
+
+/// The held unknowns of the skeleton; those that are held a second time are marked so.
+fn held_by_skeleton(holders: &mut [Holder], held: &[(Dof, f64)], number: impl Fn(usize) -> usize) -> Vec<(Dof, f64)> {
+    let mut of_skeleton: Vec<(Dof, f64)> = Vec::new();
+    for (holder, &(dof, value)) in holders.iter_mut().zip(held).filter(|(holder, _)| **holder == Holder::Skeleton) {
+        let dof = 2 * number(dof / 2) + dof % 2;
+        match of_skeleton.iter().any(|(other, _)| *other == dof) {
+            true => *holder = Holder::Before,
+            false => of_skeleton.push((dof, value)),
+        }
+    }
+    of_skeleton
 }
 
 /// The unknowns of several bodies that remain when each body is condensed.
@@ -80,11 +106,15 @@ struct Skeleton {
 /// The data from which a skeleton is condensed, whatever the moduli of the bodies.
 #[derive(Debug)]
 struct Joined {
-    /// Its nodes, rising.
+    /// The nodes of the bodies that it has, rising.
     nodes: Vec<usize>,
+    /// The number of each of them in the skeleton; shared nodes have one.
+    number: Vec<usize>,
+    /// How many numbers there are.
+    count: usize,
     /// The rows, numbered by the nodes of the skeleton, each before those of nodes that it faces.
     rows: Vec<Relative>,
-    /// The first unknown of each body that has nodes here, and its condensed S_k.
+    /// The first of `nodes` that each body has, and its condensed S_k; none of a body without.
     stiffness: Vec<Option<(usize, Mat<f64>)>>,
     partition: Partition,
     /// Motions that springs hold.
@@ -94,16 +124,68 @@ struct Joined {
 impl Joined {
     /// The skeleton of bodies whose S_k have these factors.
     fn skeleton(self: Arc<Self>, moduli: &[f64]) -> Result<Skeleton, BemError> {
-        let size = 2 * self.nodes.len();
+        let size = 2 * self.count;
         let mut stiffness = Mat::zeros(size, size);
         for ((at, own), modulus) in self.stiffness.iter().zip(moduli).filter_map(|(own, m)| Some((own.as_ref()?, m))) {
-            let n = own.nrows();
-            let mut block = stiffness.as_mut().submatrix_mut(*at, *at, n, n);
-            (0..n).for_each(|j| (0..n).for_each(|i| block[(i, j)] = modulus * own[(i, j)]));
+            let dofs: Vec<Dof> = (0..own.nrows()).map(|i| self.dof(2 * at + i)).collect();
+            for (j, &column) in dofs.iter().enumerate() {
+                dofs.iter().enumerate().for_each(|(i, &row)| stiffness[(row, column)] += modulus * own[(i, j)]);
+            }
         }
         self.rows.iter().for_each(|row| substitute(&mut stiffness, row));
         Ok(Skeleton { condensation: Condensation::new(stiffness, &self.partition, &self.motions)?, joined: self })
     }
+
+    /// The unknown of the skeleton of an unknown of the nodes of the bodies.
+    fn dof(&self, k: Dof) -> Dof {
+        2 * self.number[k / 2] + k % 2
+    }
+
+    /// A nodal vector of the skeleton: the sum of those of the bodies at each node.
+    fn gather(&self, of_bodies: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let mut sum = vec![0.0; 2 * self.count];
+        of_bodies.into_iter().enumerate().for_each(|(k, f)| sum[self.dof(k)] += f);
+        sum
+    }
+
+    /// The values of a nodal vector of the skeleton at the nodes of the bodies.
+    fn scatter(&self, of_skeleton: &[f64]) -> Vec<f64> {
+        (0..2 * self.nodes.len()).map(|k| of_skeleton[self.dof(k)]).collect()
+    }
+}
+
+/// The nodes that subdomains share, for pairs of elements that run along each other in opposite directions and have one degree.
+///
+/// # Panics
+/// If the elements of a pair have different degrees.
+pub fn shared_nodes(space: &Space, twins: &[[usize; 2]]) -> Vec<[usize; 2]> {
+    let of = |&[e, f]: &[usize; 2]| {
+        let p = space.degree(e);
+        assert_eq!(p, space.degree(f), "degrees of the elements {e} and {f} on both sides of a cut");
+        (0..=p).map(move |j| [space.node(e, j), space.node(f, p - j)])
+    };
+    twins.iter().flat_map(of).collect()
+}
+
+/// The smallest of the nodes that are one with each node, by pairs that are one.
+fn representatives(pairs: &[[usize; 2]]) -> BTreeMap<usize, usize> {
+    let mut parent: BTreeMap<usize, usize> = BTreeMap::new();
+    let root = |parent: &BTreeMap<usize, usize>, node: usize| {
+        let mut at = node;
+        while let Some(&up) = parent.get(&at).filter(|&&up| up != at) {
+            at = up;
+        }
+        at
+    };
+    for pair in pairs {
+        let [a, b] = pair.map(|node| root(&parent, node));
+        parent.insert(a.max(b), a.min(b));
+        parent.entry(a.min(b)).or_insert(a.min(b));
+        pair.iter().for_each(|&node| {
+            parent.insert(node, a.min(b));
+        });
+    }
+    parent.keys().map(|&node| (node, root(&parent, node))).collect()
 }
 
 /// A load reduced to what is kept.
@@ -117,15 +199,20 @@ pub struct AssembledLoad {
 
 impl Assembly {
     /// Joins bodies, whose nodes follow one another, each given by its S_k. `partition` and `motions` refer to all nodes, the
-    /// partition to Z: for a node with rows it keeps or holds w. `rotations` are nodal vectors of single bodies that rows need
-    /// not leave free: springs hold them as couples, [`Assembly::spring_forces`].
+    /// partition to Z: for a node with rows it keeps or holds w. `shared` are pairs of nodes that are one, neither kept nor
+    /// with rows; one that is held holds the others. `rotations` are nodal vectors of single bodies that rows need not leave
+    /// free: springs hold them as couples, [`Assembly::spring_forces`].
     ///
     /// # Errors
     /// [`BemError::StiffnessSingular`] when bodies can move although the kept unknowns do not; [`BemError::Cycle`].
+    ///
+    /// # Panics
+    /// If a shared node is kept or has rows.
     pub fn new(
         mut matrices: Vec<Mat<f64>>,
         partition: &Partition,
         rows: &[Relative],
+        shared: &[[usize; 2]],
         motions: &[Vec<f64>],
         rotations: &[(usize, Vec<f64>)],
     ) -> Result<Self, BemError> {
@@ -137,8 +224,16 @@ impl Assembly {
         let mut nodes: Vec<usize> =
             rows.iter().flat_map(|row| row.faced.iter().map(|f| f.0).chain([row.node])).collect();
         nodes.extend(partition.kept.iter().map(|dof| dof / 2));
+        let same = representatives(shared);
+        assert!(nodes.iter().all(|node| !same.contains_key(node)), "a shared node is kept or has a row");
+        nodes.extend(same.keys());
         nodes.sort_unstable();
         nodes.dedup();
+        let first_of = |node: usize| same.get(&node).copied().unwrap_or(node);
+        let mut firsts: Vec<usize> = nodes.iter().map(|&node| first_of(node)).collect();
+        firsts.sort_unstable();
+        firsts.dedup();
+        let number = |node: usize| firsts.binary_search(&first_of(node)).expect("a node of the skeleton");
         let mut held = vec![Holder::Skeleton; partition.held.len()];
         let (mut bodies, mut first, mut springs) = (Vec::new(), 0, Vec::new());
         let mut stiffness = Vec::new();
@@ -169,11 +264,10 @@ impl Assembly {
             }
             let body = Condensation::new(matrix, &of_body, springs_alone)?;
             let at = of_skeleton.first().and_then(|node| nodes.binary_search(node).ok());
-            stiffness.push(at.map(|at| Ok::<_, BemError>((2 * at, body.stiffness()?))).transpose()?);
+            stiffness.push(at.map(|at| Ok::<_, BemError>((at, body.stiffness()?))).transpose()?);
             bodies.push((first, Arc::new(body)));
             first += count;
         }
-        let number = |node: usize| nodes.binary_search(&node).expect("a node of the skeleton");
         let numbered = |row: &Relative| Relative {
             node: number(row.node),
             direction: row.direction,
@@ -182,22 +276,18 @@ impl Assembly {
         let rows: Vec<Relative> = order_of_rows(rows)?.into_iter().map(|k| numbered(&rows[k])).collect();
         let of_skeleton = Partition {
             kept: partition.kept.iter().map(|dof| 2 * number(dof / 2) + dof % 2).collect(),
-            held: held
-                .iter()
-                .zip(&partition.held)
-                .filter(|(holder, _)| **holder == Holder::Skeleton)
-                .map(|(_, &(dof, value))| (2 * number(dof / 2) + dof % 2, value))
-                .collect(),
+            held: held_by_skeleton(&mut held, &partition.held, number),
             frames: partition.frames.iter().map(|&(node, frame)| (number(node), frame)).collect(),
         };
         let motions = motions.iter().map(|motion| {
-            let u: Vec<f64> = nodes.iter().flat_map(|node| [motion[2 * node], motion[2 * node + 1]]).collect();
+            let u: Vec<f64> = firsts.iter().flat_map(|node| [motion[2 * node], motion[2 * node + 1]]).collect();
             relative_displacement(&rows, &u)
         });
         let motions: Vec<Vec<f64>> = motions.filter(|motion| motion.iter().any(|v| *v != 0.0)).collect();
         let moduli = vec![1.0; bodies.len()];
-        let skeleton =
-            Arc::new(Joined { nodes, rows, stiffness, partition: of_skeleton, motions }).skeleton(&moduli)?;
+        let (number, count) = (nodes.iter().map(|&node| number(node)).collect(), firsts.len());
+        let joined = Joined { nodes, number, count, rows, stiffness, partition: of_skeleton, motions };
+        let skeleton = Arc::new(joined).skeleton(&moduli)?;
         Ok(Self { bodies, moduli, skeleton: Some(skeleton), held, springs })
     }
 
@@ -248,7 +338,7 @@ impl Assembly {
         let Some(skeleton) = &self.skeleton else {
             return AssembledLoad { kept: bodies[0].kept.clone(), bodies, skeleton: None };
         };
-        let mut f: Vec<f64> = bodies.iter().flat_map(|body| body.kept.iter().copied()).collect();
+        let mut f = skeleton.joined.gather(bodies.iter().flat_map(|body| body.kept.iter().copied()));
         for row in &skeleton.joined.rows {
             let along: f64 = (0..2).map(|i| row.direction[i] * f[2 * row.node + i]).sum();
             row.faced.iter().for_each(|&(j, c)| (0..2).for_each(|i| f[2 * j + i] += along * c[i]));
@@ -273,6 +363,7 @@ impl Assembly {
             let faced: f64 = row.faced.iter().map(|&(j, c)| c[0] * u[2 * j] + c[1] * u[2 * j + 1]).sum();
             (0..2).for_each(|i| u[2 * row.node + i] += faced * row.direction[i]);
         }
+        let u = skeleton.joined.scatter(&u);
         let mut at = 0;
         let part = |((_, body), load): (&(usize, Arc<Condensation>), &CondensedLoad)| {
             let own = at..at + load.kept.len();
@@ -390,7 +481,7 @@ mod tests {
         let rows = [row(2, [1.0, 0.0], 6), row(3, [1.0, 0.0], 7), row(3, [0.0, 1.0], 7)];
         let partition = Partition { kept: vec![4], held: vec![(0, 0.1), (6, 0.0), (7, 0.02)], frames: Vec::new() };
         let matrices = vec![matrix(6, 1.0, factors[0]), matrix(5, 2.0, factors[1])];
-        Assembly::new(matrices, &partition, &rows, &[], &[]).expect("positive matrices")
+        Assembly::new(matrices, &partition, &rows, &[], &[], &[]).expect("positive matrices")
     }
 
     /// With moduli an assembly is that of the matrices times them, and no body is condensed again.

@@ -79,7 +79,7 @@ pub mod proptest;
 pub use {faer, num_complex, sprs, steklov_elastic, steklov_quadrature};
 
 pub use assemble::Operators;
-pub use assembly::{AssembledLoad, Assembly, Relative, order_of_rows, relative_displacement};
+pub use assembly::{AssembledLoad, Assembly, Relative, order_of_rows, relative_displacement, shared_nodes};
 pub use cache::PairCache;
 pub use condense::{Condensation, CondensationParts, CondensedLoad, Partition};
 pub use curve::{CircularArc, Curve, PolynomialCurve, Shape};

@@ -20,5 +20,6 @@ mod potential;
 mod residual;
 mod stability;
 mod subdivision;
+mod substructures;
 mod trace_rows;
 mod unbounded;

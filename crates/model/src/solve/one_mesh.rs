@@ -224,7 +224,7 @@ pub fn solve(
         let of_body = (&bodies[0], &matrices[0]);
         given.stabilised = Some(stabilise(&data, of_body, &given, &partition.held, &candidates, &loose, observe)?);
     }
-    let condensation = Assembly::new(matrices, &partition, &rows, &loose.motions, &loose.rotations)
+    let condensation = Assembly::new(matrices, &partition, &rows, &[], &loose.motions, &loose.rotations)
         .map_err(|error| without_digits(error, &scene.problem, &bodies))?;
     seconds.factorise += clock.elapsed().as_secs_f64();
 
