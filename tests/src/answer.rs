@@ -151,7 +151,7 @@ pub fn attempt(scene: &Scene, mesh: Mesh) -> Result<Answer, SolveError> {
     let mut once = scene.clone();
     once.method.refine = Refine::None;
     let subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
-    let progress = Progress { steps: Vec::new(), next: Layout { subdivision, tips: Vec::new() } };
+    let progress = Progress { steps: Vec::new(), next: Layout { subdivision, tips: Vec::new(), cuts: None } };
     let run: Run<BoundaryElements> = run(&once, progress, &AtomicUsize::new(0), &mut |_, _| Ok(()))?;
     let (rows, summary) = match &run.last.contact {
         None => (Vec::new(), None),

@@ -56,7 +56,8 @@ fn what_degrees_do_not_follow_of_a_cubic_load() {
         let top = if pressed { On::pressure("x^3") } else { On::traction("3*x^3", "-4*x^3") };
         let scene = parsed(&on_floor(top), &[]);
         let mesh = Mesh::uniform(&scene.problem.outline, 12, degree);
-        let (solved, _, factors) = solve(&scene, mesh, true, &mut PairCache::default(), &mut |_| Ok(())).unwrap();
+        let (solved, _, factors) =
+            solve(&scene, (mesh, None), true, &mut PairCache::default(), &mut |_| Ok(())).unwrap();
         let h = 1.0 / 3.0_f64;
         let cubic = h / 3.0 * (h / 7.0) * (0.4 * (h / 2.0).powi(3)).powi(2) * if pressed { 1.0 } else { 25.0 };
         for e in 0..solved.mesh.len() {

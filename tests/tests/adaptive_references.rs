@@ -93,7 +93,7 @@ fn start(scene: &Scene, elements: [usize; 4]) -> Layout {
     for (k, points) in singular_points(scene, true).iter().enumerate() {
         points.iter().enumerate().for_each(|(i, &s)| subdivision.insert(k, s, &points[..i], 0.2));
     }
-    Layout { subdivision, tips: Vec::new() }
+    Layout { subdivision, tips: Vec::new(), cuts: None }
 }
 
 /// The prototype's numbers from the same first meshes, with 10 % of room; where it has none, its largest ones.

@@ -49,6 +49,7 @@ mod stability_iterations;
 mod stability_singular;
 mod stochastic;
 mod stored_problems;
+mod subdomains;
 mod supported_holes;
 mod unbounded;
 mod unbounded_between_bodies;

@@ -30,7 +30,8 @@ fn summary(scene: &Scene) -> Summary {
 /// The condensed problem of a scene's first mesh, and its solution.
 fn condensed(scene: &Scene) -> (Problem, Solution) {
     let mesh = steklov_model::mesh::first_mesh::first_mesh(scene);
-    let solved = steklov_model::solve::one_mesh::solve(scene, mesh, false, &mut Default::default(), &mut |_| Ok(()));
+    let solved =
+        steklov_model::solve::one_mesh::solve(scene, (mesh, None), false, &mut Default::default(), &mut |_| Ok(()));
     let (solved, _, factors) = solved.unwrap_or_else(|e| panic!("{}: {e}", scene.title));
     (factors.contact.expect("contact").problem, solved.contact.expect("contact").solution)
 }

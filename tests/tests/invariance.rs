@@ -177,13 +177,18 @@ fn threads_change_no_bit_of_the_operators() {
             let first = [&operators.v, &operators.k, &operators.w].map(bits);
             let s = Steklov::new(operators, Domain::Interior).expect("V is positive definite").matrix;
             let mut stages = 0;
-            let solved =
-                steklov_model::solve::one_mesh::solve(&scene, mesh, true, &mut PairCache::default(), &mut |stage| {
+            let solved = steklov_model::solve::one_mesh::solve(
+                &scene,
+                (mesh, None),
+                true,
+                &mut PairCache::default(),
+                &mut |stage| {
                     if let Stage::Steklov(_, again) = stage {
                         stages += usize::from(bits(again) == bits(&s));
                     }
                     Ok(())
-                });
+                },
+            );
             let (solved, ..) = solved.unwrap_or_else(|e| panic!("{e}"));
             println!("{threads} threads: S computed twice has the same bits: {}", stages == 1);
             (first, s, solved.energies.total)

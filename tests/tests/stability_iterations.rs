@@ -21,7 +21,7 @@ fn scenes() -> impl Iterator<Item = (String, Scene)> {
 /// The condensed contact problem on a mesh; none without contact.
 fn condensed(scene: &Scene, mesh: Mesh) -> Option<(ContactBoundary, Problem)> {
     let (solved, _, factors) =
-        solve(scene, mesh, false, &mut PairCache::default(), &mut |_| Ok(())).expect("a solution");
+        solve(scene, (mesh, None), false, &mut PairCache::default(), &mut |_| Ok(())).expect("a solution");
     Some((solved.contact?.boundary, factors.contact?.problem))
 }
 

@@ -135,9 +135,14 @@ fn outcomes_are_those_of_scenes_of_their_own() {
         let numbers = [b, t, g, f, d].map(number);
         let own = text(&format!("{:?}", e.exp()), numbers.each_ref().map(String::as_str), &fixed);
         let mesh = run.last.mesh.clone();
-        let (solved, ..) =
-            steklov_model::solve::one_mesh::solve(&own, mesh, false, &mut PairCache::default(), &mut |_| Ok(()))
-                .unwrap_or_else(|e| panic!("{e}"));
+        let (solved, ..) = steklov_model::solve::one_mesh::solve(
+            &own,
+            (mesh, None),
+            false,
+            &mut PairCache::default(),
+            &mut |_| Ok(()),
+        )
+        .unwrap_or_else(|e| panic!("{e}"));
         let contact = solved.contact.as_ref().expect("contact");
         let rows = steklov_model::solve::contact_rows::contact_rows(solved.trace(), contact);
         let told = steklov_model::answer::report::contact_summary(&own, solved.trace(), contact, &rows, None);

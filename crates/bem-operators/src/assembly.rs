@@ -10,13 +10,13 @@
 //! all nodes of each body except those of interfaces, then the remaining skeleton of m unknowns. The kept unknowns obey the
 //! laws of contact with an obstacle, with w for u. A single body has no skeleton.
 //!
-//! The bodies may be subdomains of one body, cut along lines on which both sides have the same elements. The nodes of both
-//! sides are then one ([`shared_nodes`]), with one displacement in the skeleton and no multipliers:
+//! The parts may be subdomains of one body too, which have the nodes on the cuts between them in common: one displacement in
+//! the skeleton and no multipliers,
 //!
 //! ```text
 //! K U = F      K = Σ R_kᵀ S_k R_k      F = Σ R_kᵀ f_k
 //! ```
-//! The tractions on both sides of a cut are those of two bodies: their sum vanishes only weakly.
+//! The tractions on both sides of a cut are those of two subdomains: their sum vanishes only weakly.
 //!
 //! Cost: Σ n_k³/3 + m³/3; 8 Σ n_k² + 8 m² bytes.
 //!
@@ -29,7 +29,7 @@ use faer::Mat;
 
 use crate::condense::{Springs, add_springs};
 use crate::space::Dof;
-use crate::{BemError, Condensation, CondensedLoad, Partition, Space};
+use crate::{BemError, Condensation, CondensedLoad, Partition};
 
 /// The displacement of a node along a direction, relative to what it faces: w = `direction`·u - Σ `faced`·u_j.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,36 +64,51 @@ pub fn relative_displacement<'a>(rows: impl IntoIterator<Item = &'a Relative>, d
 /// Bodies without the unknowns that are eliminated.
 #[derive(Debug, Clone)]
 pub struct Assembly {
-    /// Each body, and the number of its first node.
-    bodies: Vec<(usize, Arc<Condensation>)>,
+    bodies: Vec<Member>,
     /// The factor of S_k of each body.
     moduli: Vec<f64>,
     skeleton: Option<Skeleton>,
+    /// Number of all unknowns.
+    size: usize,
     /// Where held values go, in the order in which they are given.
     held: Vec<Holder>,
     /// Springs that hold the rotations of bodies which touch only along arcs about one centre, with the number of the body.
     springs: Vec<(usize, Springs)>,
 }
 
+/// A body.
+#[derive(Debug, Clone)]
+struct Member {
+    /// The number of each of its nodes among all.
+    nodes: Vec<usize>,
+    /// Which of them are in the skeleton, and their numbers there.
+    in_skeleton: Vec<(usize, usize)>,
+    condensation: Arc<Condensation>,
+}
+
+impl Member {
+    /// Its part of a nodal vector.
+    fn own(&self, nodal: &[f64]) -> Vec<f64> {
+        self.nodes.iter().flat_map(|&node| [nodal[2 * node], nodal[2 * node + 1]]).collect()
+    }
+
+    /// Adds its part to a nodal vector.
+    fn add_to(&self, nodal: &mut [f64], own: &[f64]) {
+        for (&node, own) in self.nodes.iter().zip(own.chunks_exact(2)) {
+            (0..2).for_each(|i| nodal[2 * node + i] += own[i]);
+        }
+    }
+
+    /// The unknowns of the skeleton that it has.
+    fn of_skeleton(&self) -> impl Iterator<Item = Dof> + '_ {
+        self.in_skeleton.iter().flat_map(|&(_, number)| [2 * number, 2 * number + 1])
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Holder {
     Body(usize),
     Skeleton,
-    /// A shared node that is held already.
-    Before,
-}
-
-/// The held unknowns of the skeleton; those that are held a second time are marked so.
-fn held_by_skeleton(holders: &mut [Holder], held: &[(Dof, f64)], number: impl Fn(usize) -> usize) -> Vec<(Dof, f64)> {
-    let mut of_skeleton: Vec<(Dof, f64)> = Vec::new();
-    for (holder, &(dof, value)) in holders.iter_mut().zip(held).filter(|(holder, _)| **holder == Holder::Skeleton) {
-        let dof = 2 * number(dof / 2) + dof % 2;
-        match of_skeleton.iter().any(|(other, _)| *other == dof) {
-            true => *holder = Holder::Before,
-            false => of_skeleton.push((dof, value)),
-        }
-    }
-    of_skeleton
 }
 
 /// The unknowns of several bodies that remain when each body is condensed.
@@ -106,16 +121,12 @@ struct Skeleton {
 /// The data from which a skeleton is condensed, whatever the moduli of the bodies.
 #[derive(Debug)]
 struct Joined {
-    /// The nodes of the bodies that it has, rising.
+    /// Its nodes, rising.
     nodes: Vec<usize>,
-    /// The number of each of them in the skeleton; shared nodes have one.
-    number: Vec<usize>,
-    /// How many numbers there are.
-    count: usize,
     /// The rows, numbered by the nodes of the skeleton, each before those of nodes that it faces.
     rows: Vec<Relative>,
-    /// The first of `nodes` that each body has, and its condensed S_k; none of a body without.
-    stiffness: Vec<Option<(usize, Mat<f64>)>>,
+    /// The unknowns that each body has here, and its condensed S_k; none of bodies that have no nodes here.
+    stiffness: Vec<Option<(Vec<Dof>, Mat<f64>)>>,
     partition: Partition,
     /// Motions that springs hold.
     motions: Vec<Vec<f64>>,
@@ -124,10 +135,10 @@ struct Joined {
 impl Joined {
     /// The skeleton of bodies whose S_k have these factors.
     fn skeleton(self: Arc<Self>, moduli: &[f64]) -> Result<Skeleton, BemError> {
-        let size = 2 * self.count;
+        let size = 2 * self.nodes.len();
         let mut stiffness = Mat::zeros(size, size);
-        for ((at, own), modulus) in self.stiffness.iter().zip(moduli).filter_map(|(own, m)| Some((own.as_ref()?, m))) {
-            let dofs: Vec<Dof> = (0..own.nrows()).map(|i| self.dof(2 * at + i)).collect();
+        for ((dofs, own), modulus) in self.stiffness.iter().zip(moduli).filter_map(|(own, m)| Some((own.as_ref()?, m)))
+        {
             for (j, &column) in dofs.iter().enumerate() {
                 dofs.iter().enumerate().for_each(|(i, &row)| stiffness[(row, column)] += modulus * own[(i, j)]);
             }
@@ -135,57 +146,6 @@ impl Joined {
         self.rows.iter().for_each(|row| substitute(&mut stiffness, row));
         Ok(Skeleton { condensation: Condensation::new(stiffness, &self.partition, &self.motions)?, joined: self })
     }
-
-    /// The unknown of the skeleton of an unknown of the nodes of the bodies.
-    fn dof(&self, k: Dof) -> Dof {
-        2 * self.number[k / 2] + k % 2
-    }
-
-    /// A nodal vector of the skeleton: the sum of those of the bodies at each node.
-    fn gather(&self, of_bodies: impl IntoIterator<Item = f64>) -> Vec<f64> {
-        let mut sum = vec![0.0; 2 * self.count];
-        of_bodies.into_iter().enumerate().for_each(|(k, f)| sum[self.dof(k)] += f);
-        sum
-    }
-
-    /// The values of a nodal vector of the skeleton at the nodes of the bodies.
-    fn scatter(&self, of_skeleton: &[f64]) -> Vec<f64> {
-        (0..2 * self.nodes.len()).map(|k| of_skeleton[self.dof(k)]).collect()
-    }
-}
-
-/// The nodes that subdomains share, for pairs of elements that run along each other in opposite directions and have one degree.
-///
-/// # Panics
-/// If the elements of a pair have different degrees.
-pub fn shared_nodes(space: &Space, twins: &[[usize; 2]]) -> Vec<[usize; 2]> {
-    let of = |&[e, f]: &[usize; 2]| {
-        let p = space.degree(e);
-        assert_eq!(p, space.degree(f), "degrees of the elements {e} and {f} on both sides of a cut");
-        (0..=p).map(move |j| [space.node(e, j), space.node(f, p - j)])
-    };
-    twins.iter().flat_map(of).collect()
-}
-
-/// The smallest of the nodes that are one with each node, by pairs that are one.
-fn representatives(pairs: &[[usize; 2]]) -> BTreeMap<usize, usize> {
-    let mut parent: BTreeMap<usize, usize> = BTreeMap::new();
-    let root = |parent: &BTreeMap<usize, usize>, node: usize| {
-        let mut at = node;
-        while let Some(&up) = parent.get(&at).filter(|&&up| up != at) {
-            at = up;
-        }
-        at
-    };
-    for pair in pairs {
-        let [a, b] = pair.map(|node| root(&parent, node));
-        parent.insert(a.max(b), a.min(b));
-        parent.entry(a.min(b)).or_insert(a.min(b));
-        pair.iter().for_each(|&node| {
-            parent.insert(node, a.min(b));
-        });
-    }
-    parent.keys().map(|&node| (node, root(&parent, node))).collect()
 }
 
 /// A load reduced to what is kept.
@@ -198,76 +158,76 @@ pub struct AssembledLoad {
 }
 
 impl Assembly {
-    /// Joins bodies, whose nodes follow one another, each given by its S_k. `partition` and `motions` refer to all nodes, the
-    /// partition to Z: for a node with rows it keeps or holds w. `shared` are pairs of nodes that are one, neither kept nor
-    /// with rows; one that is held holds the others. `rotations` are nodal vectors of single bodies that rows need not leave
-    /// free: springs hold them as couples, [`Assembly::spring_forces`].
+    /// Joins bodies, each given by its S_k and by the numbers of its nodes among all: nodes that several of them have are one.
+    /// `partition` and `motions` refer to all nodes, the partition to Z: for a node with rows it keeps or holds w. `rotations`
+    /// are nodal vectors of single bodies that rows need not leave free: springs hold them as couples,
+    /// [`Assembly::spring_forces`].
     ///
     /// # Errors
     /// [`BemError::StiffnessSingular`] when bodies can move although the kept unknowns do not; [`BemError::Cycle`].
     ///
     /// # Panics
-    /// If a shared node is kept or has rows.
+    /// If the nodes of a single body are not in their order.
     pub fn new(
         mut matrices: Vec<Mat<f64>>,
+        nodes_of: &[Vec<usize>],
         partition: &Partition,
         rows: &[Relative],
-        shared: &[[usize; 2]],
         motions: &[Vec<f64>],
         rotations: &[(usize, Vec<f64>)],
     ) -> Result<Self, BemError> {
+        let size = 2 * nodes_of.iter().flatten().max().map_or(0, |last| last + 1);
         if matrices.len() == 1 && rows.is_empty() {
+            assert!(nodes_of[0].iter().copied().eq(0..size / 2), "the nodes of one body are in their order");
             let held = vec![Holder::Body(0); partition.held.len()];
-            let body = Arc::new(Condensation::new(matrices.remove(0), partition, motions)?);
-            return Ok(Self { bodies: vec![(0, body)], moduli: vec![1.0], skeleton: None, held, springs: Vec::new() });
+            let condensation = Arc::new(Condensation::new(matrices.remove(0), partition, motions)?);
+            let body = Member { nodes: nodes_of[0].clone(), in_skeleton: Vec::new(), condensation };
+            return Ok(Self { bodies: vec![body], moduli: vec![1.0], skeleton: None, size, held, springs: Vec::new() });
         }
-        let mut nodes: Vec<usize> =
-            rows.iter().flat_map(|row| row.faced.iter().map(|f| f.0).chain([row.node])).collect();
-        nodes.extend(partition.kept.iter().map(|dof| dof / 2));
-        let same = representatives(shared);
-        assert!(nodes.iter().all(|node| !same.contains_key(node)), "a shared node is kept or has a row");
-        nodes.extend(same.keys());
-        nodes.sort_unstable();
-        nodes.dedup();
-        let first_of = |node: usize| same.get(&node).copied().unwrap_or(node);
-        let mut firsts: Vec<usize> = nodes.iter().map(|&node| first_of(node)).collect();
-        firsts.sort_unstable();
-        firsts.dedup();
-        let number = |node: usize| firsts.binary_search(&first_of(node)).expect("a node of the skeleton");
+        let nodes = nodes_of_skeleton(nodes_of, partition, rows);
         let mut held = vec![Holder::Skeleton; partition.held.len()];
-        let (mut bodies, mut first, mut springs) = (Vec::new(), 0, Vec::new());
+        let number_of_held: BTreeMap<Dof, usize> = partition.held.iter().map(|held| held.0).zip(0..).collect();
+        let (mut bodies, mut springs) = (Vec::new(), Vec::new());
         let mut stiffness = Vec::new();
         let mut alone: Vec<Vec<f64>> = Vec::new();
         for (k, mut matrix) in matrices.into_iter().enumerate() {
-            let count = matrix.nrows() / 2;
-            let own = first..first + count;
-            let of_skeleton: Vec<usize> = nodes.iter().copied().filter(|node| own.contains(node)).collect();
-            let local = |dof: Dof| dof - 2 * first;
+            let own = &nodes_of[k];
+            let number = |node: &usize| nodes.binary_search(node).ok();
+            let in_skeleton: Vec<(usize, usize)> =
+                own.iter().enumerate().filter_map(|(local, node)| Some((local, number(node)?))).collect();
             let mut of_body = Partition {
-                kept: of_skeleton.iter().flat_map(|node| [local(2 * node), local(2 * node + 1)]).collect(),
+                kept: in_skeleton.iter().flat_map(|(local, _)| [2 * local, 2 * local + 1]).collect(),
                 ..Partition::default()
             };
-            for (holder, &(dof, value)) in held.iter_mut().zip(&partition.held) {
-                if own.contains(&(dof / 2)) && nodes.binary_search(&(dof / 2)).is_err() {
-                    *holder = Holder::Body(k);
-                    of_body.held.push((local(dof), value));
+            let mut held_here: Vec<(usize, Dof)> = Vec::new();
+            for (local, node) in own.iter().enumerate().filter(|(_, node)| number(node).is_none()) {
+                for i in 0..2 {
+                    held_here.extend(number_of_held.get(&(2 * node + i)).map(|&h| (h, 2 * local + i)));
                 }
             }
+            held_here.sort_unstable();
+            for (h, dof) in held_here {
+                held[h] = Holder::Body(k);
+                of_body.held.push((dof, partition.held[h].1));
+            }
             // a body without interfaces has springs of its own
-            if of_skeleton.is_empty() {
-                alone = motions.iter().map(|motion| motion[2 * own.start..2 * own.end].to_vec()).collect();
+            if in_skeleton.is_empty() {
+                let part = |motion: &Vec<f64>| own.iter().flat_map(|&n| [motion[2 * n], motion[2 * n + 1]]).collect();
+                alone = motions.iter().map(part).collect();
                 alone.retain(|motion| motion.iter().any(|v| *v != 0.0));
             }
-            let springs_alone = if of_skeleton.is_empty() { alone.as_slice() } else { &[] };
+            let springs_alone = if in_skeleton.is_empty() { alone.as_slice() } else { &[] };
             for (_, rotation) in rotations.iter().filter(|(body, _)| *body == k) {
                 springs.push((k, add_springs(matrix.as_mut(), &[without_mean(rotation)])));
             }
-            let body = Condensation::new(matrix, &of_body, springs_alone)?;
-            let at = of_skeleton.first().and_then(|node| nodes.binary_search(node).ok());
-            stiffness.push(at.map(|at| Ok::<_, BemError>((at, body.stiffness()?))).transpose()?);
-            bodies.push((first, Arc::new(body)));
-            first += count;
+            let condensation = Arc::new(Condensation::new(matrix, &of_body, springs_alone)?);
+            let body = Member { nodes: own.clone(), in_skeleton, condensation };
+            let dofs: Vec<Dof> = body.of_skeleton().collect();
+            let here = (!dofs.is_empty()).then(|| Ok::<_, BemError>((dofs, body.condensation.stiffness()?)));
+            stiffness.push(here.transpose()?);
+            bodies.push(body);
         }
+        let number = |node: usize| nodes.binary_search(&node).expect("a node of the skeleton");
         let numbered = |row: &Relative| Relative {
             node: number(row.node),
             direction: row.direction,
@@ -276,19 +236,23 @@ impl Assembly {
         let rows: Vec<Relative> = order_of_rows(rows)?.into_iter().map(|k| numbered(&rows[k])).collect();
         let of_skeleton = Partition {
             kept: partition.kept.iter().map(|dof| 2 * number(dof / 2) + dof % 2).collect(),
-            held: held_by_skeleton(&mut held, &partition.held, number),
+            held: held
+                .iter()
+                .zip(&partition.held)
+                .filter(|(holder, _)| **holder == Holder::Skeleton)
+                .map(|(_, &(dof, value))| (2 * number(dof / 2) + dof % 2, value))
+                .collect(),
             frames: partition.frames.iter().map(|&(node, frame)| (number(node), frame)).collect(),
         };
         let motions = motions.iter().map(|motion| {
-            let u: Vec<f64> = firsts.iter().flat_map(|node| [motion[2 * node], motion[2 * node + 1]]).collect();
+            let u: Vec<f64> = nodes.iter().flat_map(|node| [motion[2 * node], motion[2 * node + 1]]).collect();
             relative_displacement(&rows, &u)
         });
         let motions: Vec<Vec<f64>> = motions.filter(|motion| motion.iter().any(|v| *v != 0.0)).collect();
         let moduli = vec![1.0; bodies.len()];
-        let (number, count) = (nodes.iter().map(|&node| number(node)).collect(), firsts.len());
-        let joined = Joined { nodes, number, count, rows, stiffness, partition: of_skeleton, motions };
-        let skeleton = Arc::new(joined).skeleton(&moduli)?;
-        Ok(Self { bodies, moduli, skeleton: Some(skeleton), held, springs })
+        let skeleton =
+            Arc::new(Joined { nodes, rows, stiffness, partition: of_skeleton, motions }).skeleton(&moduli)?;
+        Ok(Self { bodies, moduli, skeleton: Some(skeleton), size, held, springs })
     }
 
     /// The same bodies, each S_k of those that were joined times a factor: other Young's moduli.
@@ -303,8 +267,7 @@ impl Assembly {
     pub fn with_moduli(&self, moduli: &[f64]) -> Result<Self, BemError> {
         assert_eq!(moduli.len(), self.bodies.len(), "factors of bodies");
         let skeleton = self.skeleton.as_ref().map(|skeleton| skeleton.joined.clone().skeleton(moduli)).transpose()?;
-        let (bodies, held, springs) = (self.bodies.clone(), self.held.clone(), self.springs.clone());
-        Ok(Self { bodies, moduli: moduli.to_vec(), skeleton, held, springs })
+        Ok(Self { moduli: moduli.to_vec(), skeleton, ..self.clone() })
     }
 
     /// S_c of the kept unknowns, full storage.
@@ -313,7 +276,7 @@ impl Assembly {
     /// [`BemError::Fault`].
     pub fn stiffness(&self) -> Result<Mat<f64>, BemError> {
         match &self.skeleton {
-            None => Ok(self.bodies[0].1.stiffness()? * faer::Scale(self.moduli[0])),
+            None => Ok(self.bodies[0].condensation.stiffness()? * faer::Scale(self.moduli[0])),
             Some(skeleton) => skeleton.condensation.stiffness(),
         }
     }
@@ -327,10 +290,15 @@ impl Assembly {
         let values = |of: Holder| -> Vec<f64> {
             self.held.iter().zip(held).filter(|(holder, _)| **holder == of).map(|(_, value)| *value).collect()
         };
-        let part = |(k, (first, body)): (usize, &(usize, Arc<Condensation>))| {
+        let part = |(k, body): (usize, &Member)| {
             let modulus = self.moduli[k];
-            let load: Vec<f64> = load[2 * first..2 * first + body.size()].iter().map(|f| f / modulus).collect();
-            let mut condensed = body.load_held(&load, &values(Holder::Body(k)));
+            let mut load = body.own(load);
+            load.iter_mut().for_each(|f| *f /= modulus);
+            // loads at the nodes of the skeleton act once, whichever bodies have them
+            if self.skeleton.is_some() {
+                body.in_skeleton.iter().for_each(|(local, _)| load[2 * local..2 * local + 2].fill(0.0));
+            }
+            let mut condensed = body.condensation.load_held(&load, &values(Holder::Body(k)));
             condensed.kept.iter_mut().for_each(|f| *f *= modulus);
             condensed
         };
@@ -338,7 +306,11 @@ impl Assembly {
         let Some(skeleton) = &self.skeleton else {
             return AssembledLoad { kept: bodies[0].kept.clone(), bodies, skeleton: None };
         };
-        let mut f = skeleton.joined.gather(bodies.iter().flat_map(|body| body.kept.iter().copied()));
+        let mut f: Vec<f64> =
+            skeleton.joined.nodes.iter().flat_map(|&node| [load[2 * node], load[2 * node + 1]]).collect();
+        for (body, condensed) in self.bodies.iter().zip(&bodies) {
+            body.of_skeleton().zip(&condensed.kept).for_each(|(dof, kept)| f[dof] += kept);
+        }
         for row in &skeleton.joined.rows {
             let along: f64 = (0..2).map(|i| row.direction[i] * f[2 * row.node + i]).sum();
             row.faced.iter().for_each(|&(j, c)| (0..2).for_each(|i| f[2 * j + i] += along * c[i]));
@@ -356,45 +328,46 @@ impl Assembly {
     /// unknowns.
     pub fn expand(&self, load: &AssembledLoad, kept: &[f64]) -> Vec<f64> {
         let Some((skeleton, of_skeleton)) = self.skeleton.as_ref().zip(load.skeleton.as_ref()) else {
-            return self.bodies[0].1.expand(&load.bodies[0], kept);
+            return self.bodies[0].condensation.expand(&load.bodies[0], kept);
         };
         let mut u = skeleton.condensation.expand(of_skeleton, kept);
         for row in skeleton.joined.rows.iter().rev() {
             let faced: f64 = row.faced.iter().map(|&(j, c)| c[0] * u[2 * j] + c[1] * u[2 * j + 1]).sum();
             (0..2).for_each(|i| u[2 * row.node + i] += faced * row.direction[i]);
         }
-        let u = skeleton.joined.scatter(&u);
-        let mut at = 0;
-        let part = |((_, body), load): (&(usize, Arc<Condensation>), &CondensedLoad)| {
-            let own = at..at + load.kept.len();
-            at = own.end;
-            body.expand(load, &u[own])
-        };
-        self.bodies.iter().zip(&load.bodies).flat_map(part).collect()
-    }
-
-    /// The nodes of interfaces; empty for a single body.
-    pub fn interface_nodes(&self) -> &[usize] {
-        self.skeleton.as_ref().map_or(&[], |skeleton| &skeleton.joined.nodes)
+        let mut all = vec![0.0; self.size];
+        for (body, load) in self.bodies.iter().zip(&load.bodies) {
+            let kept: Vec<f64> = body.of_skeleton().map(|dof| u[dof]).collect();
+            let own = body.condensation.expand(load, &kept);
+            for (&node, own) in body.nodes.iter().zip(own.chunks_exact(2)) {
+                all[2 * node..2 * node + 2].copy_from_slice(own);
+            }
+        }
+        all
     }
 
     /// Largest diagonal entry of all S_k.
     pub fn largest_diagonal(&self) -> f64 {
-        let own = self.bodies.iter().zip(&self.moduli).map(|((_, body), modulus)| modulus * body.largest_diagonal());
-        own.fold(0.0, f64::max)
+        let of = |(body, modulus): (&Member, &f64)| modulus * body.condensation.largest_diagonal();
+        self.bodies.iter().zip(&self.moduli).map(of).fold(0.0, f64::max)
     }
 
-    /// S_k u of every body from a nodal displacement of all bodies (both interleaved x, y).
+    /// Σ S_k u of the bodies from a nodal displacement (both interleaved x, y).
     pub fn multiply(&self, displacement: &[f64]) -> Vec<f64> {
-        let part = |((first, body), modulus): (&(usize, Arc<Condensation>), &f64)| {
-            let mut forces = body.multiply(&displacement[2 * first..2 * first + body.size()]);
-            forces.iter_mut().for_each(|f| *f *= modulus);
-            forces
-        };
-        let mut forces: Vec<f64> = self.bodies.iter().zip(&self.moduli).flat_map(part).collect();
+        let mut forces = vec![0.0; self.size];
+        for (k, body) in self.bodies.iter().enumerate() {
+            body.add_to(&mut forces, &self.multiply_body(k, &body.own(displacement)));
+        }
         if !self.springs.is_empty() {
             forces.iter_mut().zip(self.spring_forces(displacement)).for_each(|(f, spring)| *f += spring);
         }
+        forces
+    }
+
+    /// S_k u of a body from the displacement of its own nodes.
+    pub fn multiply_body(&self, k: usize, own: &[f64]) -> Vec<f64> {
+        let mut forces = self.bodies[k].condensation.multiply(own);
+        forces.iter_mut().for_each(|f| *f *= self.moduli[k]);
         forces
     }
 
@@ -402,13 +375,25 @@ impl Assembly {
     pub fn spring_forces(&self, displacement: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; displacement.len()];
         for (k, springs) in &self.springs {
-            let (first, modulus) = (self.bodies[*k].0, self.moduli[*k]);
-            let own = 2 * first..2 * first + springs.size();
-            let of_body = springs.forces(&displacement[own.clone()]);
-            forces[own].iter_mut().zip(of_body).for_each(|(f, spring)| *f += modulus * spring);
+            let body = &self.bodies[*k];
+            let of_body: Vec<f64> =
+                springs.forces(&body.own(displacement)).into_iter().map(|f| self.moduli[*k] * f).collect();
+            body.add_to(&mut forces, &of_body);
         }
         forces
     }
+}
+
+/// The nodes that interfaces have, or several bodies, and those that are kept; rising.
+fn nodes_of_skeleton(nodes_of: &[Vec<usize>], partition: &Partition, rows: &[Relative]) -> Vec<usize> {
+    let mut all: Vec<usize> = nodes_of.iter().flatten().copied().collect();
+    all.sort_unstable();
+    let shared = all.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
+    let of_rows = rows.iter().flat_map(|row| row.faced.iter().map(|f| f.0).chain([row.node]));
+    let mut nodes: Vec<usize> = shared.chain(of_rows).chain(partition.kept.iter().map(|dof| dof / 2)).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
 }
 
 /// A nodal vector without its resultant.
@@ -481,7 +466,8 @@ mod tests {
         let rows = [row(2, [1.0, 0.0], 6), row(3, [1.0, 0.0], 7), row(3, [0.0, 1.0], 7)];
         let partition = Partition { kept: vec![4], held: vec![(0, 0.1), (6, 0.0), (7, 0.02)], frames: Vec::new() };
         let matrices = vec![matrix(6, 1.0, factors[0]), matrix(5, 2.0, factors[1])];
-        Assembly::new(matrices, &partition, &rows, &[], &[], &[]).expect("positive matrices")
+        Assembly::new(matrices, &[(0..6).collect(), (6..11).collect()], &partition, &rows, &[], &[])
+            .expect("positive matrices")
     }
 
     /// With moduli an assembly is that of the matrices times them, and no body is condensed again.
@@ -490,7 +476,8 @@ mod tests {
         let factors = [3.5, 0.02];
         let (of_one, exact) = (joined([1.0; 2]), joined(factors));
         let scaled = of_one.with_moduli(&factors).expect("positive matrices");
-        assert!(of_one.bodies.iter().zip(&scaled.bodies).all(|(a, b)| Arc::ptr_eq(&a.1, &b.1)));
+        let same = |(a, b): (&Member, &Member)| Arc::ptr_eq(&a.condensation, &b.condensation);
+        assert!(of_one.bodies.iter().zip(&scaled.bodies).all(same));
         let close = |a: &[f64], b: &[f64]| {
             let size = b.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12 * size)

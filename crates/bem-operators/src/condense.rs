@@ -323,11 +323,6 @@ pub(crate) struct Springs {
 }
 
 impl Springs {
-    /// Unknowns of the body.
-    pub(crate) fn size(&self) -> usize {
-        self.motions.first().map_or(0, Vec::len)
-    }
-
     /// Their forces on the body.
     pub(crate) fn forces(&self, displacement: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; displacement.len()];

@@ -47,18 +47,35 @@ pub enum CutError {
 }
 
 /// A directed part of the boundary or of a line.
-struct Half {
-    from: usize,
-    to: usize,
-    edge: Edge,
-    /// Its cut, and its number among the parts of cuts; both directions have the same number.
-    cut: Option<usize>,
+pub(crate) struct Half {
+    pub from: usize,
+    pub to: usize,
+    pub edge: Edge,
+    pub of: Part,
+}
+
+/// What a directed part is a part of.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Part {
+    /// An edge of the boundary, between the edge parameters at its start and its end.
+    Outline(usize, [f64; 2]),
+    /// A line, with a number that both directions have.
+    Line(usize),
 }
 
 /// Points; those that count as one appear once.
-struct Points {
-    all: Vec<[f64; 2]>,
-    near: f64,
+pub(crate) struct Points {
+    pub all: Vec<[f64; 2]>,
+    pub near: f64,
+}
+
+/// Boundary and lines in directed parts between the points where they meet, and the closed chains that these form.
+pub(crate) struct Arrangement {
+    pub points: Points,
+    pub halves: Vec<Half>,
+    /// Each outer chain, and behind it the holes in it.
+    pub pieces: Vec<Vec<Vec<usize>>>,
+    side_names: Vec<String>,
 }
 
 impl Points {
@@ -81,6 +98,14 @@ impl Polygon {
     /// # Panics
     /// If there are several bodies, or one that is unbounded.
     pub fn cut(&self, cuts: &[Cut]) -> Result<Polygon, CutError> {
+        let Arrangement { halves, pieces, side_names, .. } = self.arranged(cuts)?;
+        let edges_of = |one: Vec<usize>| one.iter().map(|&h| halves[h].edge.clone()).collect();
+        let loops_of = |loops: Vec<Vec<usize>>| loops.into_iter().map(edges_of).collect();
+        Ok(self.in_pieces(pieces.into_iter().map(loops_of).collect(), side_names))
+    }
+
+    /// The parts of a body along lines.
+    pub(crate) fn arranged(&self, cuts: &[Cut]) -> Result<Arrangement, CutError> {
         assert!(self.bodies().len() == 1 && self.is_bounded(), "one bounded body is cut");
         let mut points = Points { all: Vec::new(), near: SAME * self.diameter() };
         self.edges().iter().for_each(|edge| {
@@ -102,17 +127,17 @@ impl Polygon {
                 if !self.is_inside([(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0], points.near) {
                     continue;
                 }
-                let number = Some(halves.len());
+                let of = Part::Line(halves.len());
                 for (from, to, side) in [(pair[0], pair[1], sides[0]), (pair[1], pair[0], sides[1])] {
                     let (start, end) = (points.all[from], points.all[to]);
                     let edge =
                         Edge { start, end, path: Path::Line, side, loop_index: 0, reversed: false, drawn: [0.0, 1.0] };
-                    halves.push(Half { from, to, edge, cut: number });
+                    halves.push(Half { from, to, edge, of });
                 }
             }
         }
-        let loops = traced(&halves, &points)?;
-        Ok(self.assembled(halves, loops, side_names))
+        let pieces = pieces_of(&halves, traced(&halves, &points)?);
+        Ok(Arrangement { points, halves, pieces, side_names })
     }
 
     fn is_inside(&self, x: [f64; 2], near: f64) -> bool {
@@ -153,7 +178,7 @@ impl Polygon {
     /// The boundary between all points on it, in the direction of traversal.
     fn split_boundary(&self, points: &Points, halves: &mut Vec<Half>) -> Result<(), CutError> {
         let at = |x: [f64; 2]| points.all.iter().position(|y| distance(x, *y) <= points.near);
-        for edge in self.edges() {
+        for (number, edge) in self.edges().iter().enumerate() {
             let [first, last] = if edge.reversed { [1.0, 0.0] } else { [0.0, 1.0] };
             let (Some(start), Some(end)) = (at(edge.start), at(edge.end)) else {
                 unreachable!("all corners are points")
@@ -169,37 +194,36 @@ impl Polygon {
                 if (s1 - s0).abs() < 1e-6 {
                     return Err(CutError::NextToCorner { at: ends[1] });
                 }
-                halves.push(Half { from, to, edge: edge.part([s0, s1], ends), cut: None });
+                halves.push(Half { from, to, edge: edge.part([s0, s1], ends), of: Part::Outline(number, [s0, s1]) });
             }
         }
         Ok(())
     }
+}
 
-    /// The polygon of loops: each outer one with the holes in it.
-    fn assembled(&self, halves: Vec<Half>, loops: Vec<Vec<usize>>, side_names: Vec<String>) -> Polygon {
-        let edges_of = |one: &[usize]| one.iter().map(|&h| halves[h].edge.clone()).collect::<Vec<Edge>>();
-        let area = |edges: &[Edge]| -> f64 {
-            let o = edges[0].start;
-            let twice = |e: &Edge| {
-                let (a, b) = (minus(e.start, o), minus(e.end, o));
-                cross(a, b) + e.bulge(o)[0]
-            };
-            edges.iter().map(twice).sum()
+/// Each outer chain with the holes in it.
+fn pieces_of(halves: &[Half], loops: Vec<Vec<usize>>) -> Vec<Vec<Vec<usize>>> {
+    let area = |one: &Vec<usize>| -> f64 {
+        let o = halves[one[0]].edge.start;
+        let twice = |&h: &usize| {
+            let e = &halves[h].edge;
+            let (a, b) = (minus(e.start, o), minus(e.end, o));
+            cross(a, b) + e.bulge(o)[0]
         };
-        let all: Vec<Vec<Edge>> = loops.iter().map(|one| edges_of(one)).collect();
-        let areas: Vec<f64> = all.iter().map(|edges| area(edges)).collect();
-        let (outer, holes): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(|&k| areas[k] > 0.0);
-        let around = |hole: &usize| {
-            let x = all[*hole][0].point(0.5);
-            let contains = |&&k: &&usize| winding(all[k].iter(), x) != 0;
-            outer.iter().filter(contains).min_by(|a, b| areas[**a].total_cmp(&areas[**b])).copied()
-        };
-        let piece = |&k: &usize| {
-            let inside = holes.iter().copied().filter(|hole| around(hole) == Some(k));
-            std::iter::once(k).chain(inside).map(|one| all[one].clone()).collect()
-        };
-        self.in_pieces(outer.iter().map(piece).collect(), side_names)
-    }
+        one.iter().map(twice).sum()
+    };
+    let areas: Vec<f64> = loops.iter().map(area).collect();
+    let (outer, holes): (Vec<usize>, Vec<usize>) = (0..loops.len()).partition(|&k| areas[k] > 0.0);
+    let around = |hole: &usize| {
+        let x = halves[loops[*hole][0]].edge.point(0.5);
+        let contains = |&&k: &&usize| winding(loops[k].iter().map(|&h| &halves[h].edge), x) != 0;
+        outer.iter().filter(contains).min_by(|a, b| areas[**a].total_cmp(&areas[**b])).copied()
+    };
+    let piece = |&k: &usize| {
+        let inside = holes.iter().copied().filter(|hole| around(hole) == Some(k));
+        std::iter::once(k).chain(inside).map(|one| loops[one].clone()).collect()
+    };
+    outer.iter().map(piece).collect()
 }
 
 /// The closed chains of directed parts: each part is followed by the one that turns most to the left.
@@ -225,16 +249,14 @@ fn traced(halves: &[Half], points: &Points) -> Result<Vec<Vec<usize>>, CutError>
         while !used[h] {
             used[h] = true;
             chain.push(h);
-            let back = |k: usize| halves[h].cut.is_some() && halves[k].cut == halves[h].cut && k != h;
+            let back = |k: usize| matches!(halves[h].of, Part::Line(_)) && halves[k].of == halves[h].of && k != h;
             h = match after(h) {
                 Some(next) if !back(next) => next,
                 _ => return Err(CutError::EndsInside { at: points.all[halves[h].to] }),
             };
         }
         for (i, &a) in chain.iter().enumerate() {
-            if let Some(cut) = halves[a].cut
-                && chain[..i].iter().any(|&b| halves[b].cut == Some(cut))
-            {
+            if matches!(halves[a].of, Part::Line(_)) && chain[..i].iter().any(|&b| halves[b].of == halves[a].of) {
                 return Err(CutError::SamePiece { at: halves[a].edge.start });
             }
         }

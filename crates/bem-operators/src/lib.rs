@@ -47,6 +47,7 @@ mod mesh;
 mod meshing;
 mod space;
 mod subdivision;
+mod subdomains;
 mod marking;
 mod moments;
 mod near;
@@ -79,7 +80,7 @@ pub mod proptest;
 pub use {faer, num_complex, sprs, steklov_elastic, steklov_quadrature};
 
 pub use assemble::Operators;
-pub use assembly::{AssembledLoad, Assembly, Relative, order_of_rows, relative_displacement, shared_nodes};
+pub use assembly::{AssembledLoad, Assembly, Relative, order_of_rows, relative_displacement};
 pub use cache::PairCache;
 pub use condense::{Condensation, CondensationParts, CondensedLoad, Partition};
 pub use curve::{CircularArc, Curve, PolynomialCurve, Shape};
@@ -101,4 +102,5 @@ pub use residual::{BoundaryResidual, Look, boundary_residuals, boundary_residual
 pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap, TractionParts, Translations};
 pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};
+pub use subdomains::{CutElements, Cuts, Subdomain};
 pub use trace_rows::steklov_trace_rows;

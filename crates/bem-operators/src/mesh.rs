@@ -41,6 +41,9 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// The side of elements of cuts, which are on none.
+    pub const NO_SIDE: usize = usize::MAX;
+
     /// The elements of whole loops as a mesh of their own, in their order; edges and sides keep their numbers.
     ///
     /// # Panics

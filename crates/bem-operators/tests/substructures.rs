@@ -1,23 +1,21 @@
-//! A body cut into subdomains that share the nodes on the cuts.
+//! A body cut into subdomains that have the nodes on the cuts in common.
 
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::{
-    Assembly, Cut, Domain, Loop, Mark, Mesh, Operators, Partition, Piece, Polygon, Space, Steklov, Subdivision,
-    shared_nodes,
+    Assembly, Cuts, Domain, Loop, Mark, Mesh, Operators, Partition, Piece, Polygon, Space, Steklov, Subdivision,
+    Subdomain,
 };
 use steklov_elastic::plane::distance;
 use steklov_elastic::{Material, Plane, RigidMotion};
 
-fn line(ends: [[f64; 2]; 2], name: usize) -> Cut {
-    Cut { ends, sides: ["left", "right"].map(|side| format!("cut {name} {side}")) }
-}
+type Line = [[f64; 2]; 2];
 
 /// Lines along which a plate of `size` is cut into cells.
-fn grid([nx, ny]: [usize; 2], size: [f64; 2]) -> Vec<Cut> {
+fn grid([nx, ny]: [usize; 2], size: [f64; 2]) -> Vec<Line> {
     let x = (1..nx).map(|k| size[0] * k as f64 / nx as f64).map(|x| [[x, -1.0], [x, size[1] + 1.0]]);
     let y = (1..ny).map(|k| size[1] * k as f64 / ny as f64).map(|y| [[-1.0, y], [size[0] + 1.0, y]]);
-    x.chain(y).enumerate().map(|(k, ends)| line(ends, k)).collect()
+    x.chain(y).collect()
 }
 
 fn plate(size: [f64; 2], holes: Vec<Loop>) -> Polygon {
@@ -27,36 +25,11 @@ fn plate(size: [f64; 2], holes: Vec<Loop>) -> Polygon {
     Polygon::new(outer, holes).expect("a plate")
 }
 
-/// The elements on both sides of cuts, by their ends.
-fn twins(mesh: &Mesh) -> Vec<[usize; 2]> {
-    let same = 1e-12 * mesh.diameter();
-    let near = |x: [f64; 2], y: [f64; 2]| distance(x, y) < same;
-    let with = |e: usize| {
-        let [a, b] = mesh.ends(e);
-        let other = (e + 1..mesh.len()).find(|&f| near(mesh.ends(f)[0], b) && near(mesh.ends(f)[1], a));
-        other.map(|f| [e, f])
-    };
-    (0..mesh.len()).filter_map(with).collect()
-}
-
-/// The elements of each body of a polygon.
-fn pieces(polygon: &Polygon, mesh: &Mesh) -> Vec<std::ops::Range<usize>> {
-    let body = |e: usize| polygon.body_of_loop(polygon.edges()[mesh.edge[e]].loop_index);
-    let mut pieces: Vec<std::ops::Range<usize>> = Vec::new();
-    for e in 0..mesh.len() {
-        match pieces.last_mut() {
-            Some(piece) if body(piece.start) == body(e) => piece.end = e + 1,
-            _ => pieces.push(e..e + 1),
-        }
-    }
-    pieces
-}
-
 /// An orthonormal basis of the rigid motions of nodes.
-fn rigid_motions(space: &Space) -> Vec<Vec<f64>> {
+fn rigid_motions(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for r in [RigidMotion::along([1.0, 0.0]), RigidMotion::along([0.0, 1.0]), RigidMotion::about([0.0; 2], 1.0)] {
-        let mut r = without(r.nodal(&space.points), &basis);
+        let mut r = without(r.nodal(points), &basis);
         let norm = dot(&r, &r).sqrt();
         r.iter_mut().for_each(|v| *v /= norm);
         basis.push(r);
@@ -77,70 +50,111 @@ fn without(mut v: Vec<f64>, basis: &[Vec<f64>]) -> Vec<f64> {
     v
 }
 
-/// S of each piece, with no resistance to rigid motions: nodal values miss a part of rotations on arcs.
-fn stiffness(polygon: &Polygon, mesh: &Mesh, material: &Material) -> Vec<Mat<f64>> {
-    let of = |elements| {
-        let part = mesh.part(elements);
-        let space = Space::new(&part);
-        let operators = Operators::assemble(&part, &space, material, None).expect("operators");
-        let s = Steklov::new(operators, Domain::Interior).expect("S").matrix;
-        let basis = rigid_motions(&space);
-        let projected = |s: &Mat<f64>| -> Mat<f64> {
-            let columns: Vec<Vec<f64>> =
-                s.col_iter().map(|column| without(column.iter().copied().collect(), &basis)).collect();
-            Mat::from_fn(s.nrows(), s.nrows(), |i, j| columns[j][i])
-        };
-        projected(&projected(&s).transpose().to_owned())
+/// S of a subdomain, with no resistance to rigid motions: nodal values miss a part of rotations on arcs.
+fn stiffness(Subdomain { mesh, space, .. }: &Subdomain, material: &Material) -> Mat<f64> {
+    let operators = Operators::assemble(mesh, space, material, None).expect("operators");
+    let s = Steklov::new(operators, Domain::Interior).expect("S").matrix;
+    let basis = rigid_motions(&space.points);
+    let projected = |s: &Mat<f64>| -> Mat<f64> {
+        let columns: Vec<Vec<f64>> =
+            s.col_iter().map(|column| without(column.iter().copied().collect(), &basis)).collect();
+        Mat::from_fn(s.nrows(), s.nrows(), |i, j| columns[j][i])
     };
-    pieces(polygon, mesh).into_iter().map(of).collect()
+    projected(&projected(&s).transpose().to_owned())
 }
 
-/// A mesh of elements of one degree, none longer than `longest`; equal edges are divided equally.
-fn divided(polygon: &Polygon, longest: f64, degree: usize) -> Mesh {
-    let edges = polygon.edges().iter().map(|edge| {
-        let n = (edge.length() / longest - 1e-9).ceil().max(1.0) as usize;
-        let at = |k: usize| k as f64 / n as f64;
-        (0..n).map(|k| Piece { start: at(k), end: at(k + 1), degree, mark: Mark::Keep }).collect()
-    });
-    Subdivision { edges: edges.collect() }.mesh(polygon).expect("a mesh")
+/// Equal elements, none longer than `longest`.
+fn equal(length: f64, longest: f64, degree: usize) -> Vec<Piece> {
+    let n = (length / longest - 1e-9).ceil().max(1.0) as usize;
+    let at = |k: usize| k as f64 / n as f64;
+    (0..n).map(|k| Piece { start: at(k), end: at(k + 1), degree, mark: Mark::Keep }).collect()
 }
 
-/// The nodal displacement of all pieces under tractions of the boundary (element, side, outward normal), nothing held.
-fn solved(
-    polygon: &Polygon,
-    mesh: &Mesh,
-    material: &Material,
-    traction: impl Fn(usize) -> [f64; 2],
-) -> (Space, Vec<f64>, Vec<f64>) {
-    let (space, matrices) = (Space::new(mesh), stiffness(polygon, mesh, material));
-    let twins = twins(mesh);
-    let mut load = vec![0.0; space.dofs()];
-    for e in (0..mesh.len()).filter(|e| twins.iter().all(|pair| !pair.contains(e))) {
-        let (t, to_legendre) = (traction(e), &space.basis(e).to_legendre);
-        // the mean of a nodal function is its first Legendre coefficient
-        for (j, node) in space.element_nodes(e).enumerate() {
-            (0..2).for_each(|i| load[2 * node + i] += mesh.length(e) * to_legendre[(0, j)] * t[i]);
+/// A body cut along lines, on elements of one degree that are no longer than `longest`.
+struct CutBody {
+    mesh: Mesh,
+    /// Of its boundary.
+    space: Space,
+    subdomains: Vec<Subdomain>,
+    /// All nodes.
+    points: Vec<[f64; 2]>,
+}
+
+impl CutBody {
+    fn new(polygon: &Polygon, lines: &[Line], longest: f64, degree: usize) -> Self {
+        let cuts = Cuts::new(polygon, lines).expect("subdomains");
+        let mut subdivision = Subdivision { edges: vec![Vec::new(); polygon.edges().len()] };
+        let ends = cuts.ends();
+        for (k, (edge, pieces)) in polygon.edges().iter().zip(&mut subdivision.edges).enumerate() {
+            let own = ends.iter().filter(|end| end.0 == k).map(|end| end.1);
+            let vertices: Vec<f64> = [0.0].into_iter().chain(own).chain([1.0]).collect();
+            for part in vertices.windows(2) {
+                let along = |s: f64| part[0] + (part[1] - part[0]) * s;
+                let length = edge.length() * (part[1] - part[0]);
+                let of = |piece: Piece| Piece { start: along(piece.start), end: along(piece.end), ..piece };
+                pieces.extend(equal(length, longest, degree).into_iter().map(of));
+            }
         }
+        let mesh = subdivision.mesh(polygon).expect("a mesh");
+        let elements: Vec<Vec<Piece>> =
+            cuts.parts().iter().map(|[a, b]| equal(distance(*a, *b), longest, degree)).collect();
+        let space = Space::new(&mesh);
+        let (subdomains, of_cuts) = cuts.subdomains(&mesh, &space, &elements);
+        let points = space.points.iter().chain(&of_cuts.points).copied().collect();
+        Self { mesh, space, subdomains, points }
     }
-    let motions = rigid_motions(&space);
-    let shared = shared_nodes(&space, &twins);
-    let assembly = Assembly::new(matrices, &Partition::default(), &[], &shared, &motions, &[]).expect("a stiffness");
-    let u = assembly.expand(&assembly.load_held(&load, &[]), &[]);
-    (space, load, u)
+
+    /// The nodes of all subdomains are at the points of theirs, and the elements of cuts have two of them.
+    fn check(&self) {
+        for Subdomain { space, nodes, mesh, .. } in &self.subdomains {
+            mesh.check().expect("a mesh");
+            assert_eq!(space.nodes(), nodes.len());
+            for (x, &node) in space.points.iter().zip(nodes) {
+                assert!(distance(*x, self.points[node]) < 1e-13, "{x:?} {:?}", self.points[node]);
+            }
+        }
+        let mut of_elements = vec![0; self.subdomains.iter().flat_map(|s| &s.elements).max().unwrap() + 1];
+        self.subdomains.iter().flat_map(|s| &s.elements).for_each(|&e| of_elements[e] += 1);
+        assert!(of_elements.iter().enumerate().all(|(e, &n)| n == if e < self.mesh.len() { 1 } else { 2 }));
+    }
+
+    /// Nodal load of tractions on the boundary that are constant on each element.
+    fn load(&self, traction: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
+        let mut load = vec![0.0; 2 * self.points.len()];
+        for e in 0..self.mesh.len() {
+            let (t, to_legendre) = (traction(e), &self.space.basis(e).to_legendre);
+            // the mean of a nodal function is its first Legendre coefficient
+            for (j, node) in self.space.element_nodes(e).enumerate() {
+                (0..2).for_each(|i| load[2 * node + i] += self.mesh.length(e) * to_legendre[(0, j)] * t[i]);
+            }
+        }
+        load
+    }
+
+    fn assembly(&self, material: &Material, partition: &Partition, motions: &[Vec<f64>]) -> Assembly {
+        let matrices = self.subdomains.iter().map(|s| stiffness(s, material)).collect();
+        let nodes: Vec<Vec<usize>> = self.subdomains.iter().map(|s| s.nodes.clone()).collect();
+        Assembly::new(matrices, &nodes, partition, &[], motions, &[]).expect("a stiffness")
+    }
+
+    /// The nodal displacement under a load, nothing held.
+    fn solved(&self, material: &Material, load: &[f64]) -> Vec<f64> {
+        let assembly = self.assembly(material, &Partition::default(), &rigid_motions(&self.points));
+        assembly.expand(&assembly.load_held(load, &[]), &[])
+    }
 }
 
 /// J = -½ f·u of a plate of cells under tension along x, every edge of the cells in halves.
 fn tension([nx, ny]: [usize; 2], polygon: &Polygon, degree: usize) -> f64 {
-    let size = [nx as f64, ny as f64];
-    let cut = polygon.cut(&grid([nx, ny], size)).expect("cells");
-    let mesh = divided(&cut, 0.5, degree);
-    let material = Material::new(1.0, 0.3, Plane::Strain).expect("a material");
-    let pull = |e: usize| match cut.side_names()[mesh.side[e]].as_str() {
+    let body = CutBody::new(polygon, &grid([nx, ny], [nx as f64, ny as f64]), 0.5, degree);
+    body.check();
+    let pull = |e: usize| match body.mesh.side_names[body.mesh.side[e]].as_str() {
         "right" => [1.0, 0.0],
         "left" => [-1.0, 0.0],
         _ => [0.0; 2],
     };
-    let (_, load, u) = solved(&cut, &mesh, &material, pull);
+    let load = body.load(pull);
+    let u = body.solved(&Material::new(1.0, 0.3, Plane::Strain).expect("a material"), &load);
     -0.5 * dot(&load, &u)
 }
 
@@ -168,26 +182,27 @@ fn twenty_circular_holes_in_cells() {
 
 /// The affine displacement of a constant stress, in a plate with square holes cut along random lines: cross points, ends on free
 /// and loaded sides and on holes, a cut that ends on another one.
-fn patch(cuts: &[Cut], degree: usize) -> f64 {
+fn patch(lines: &[Line], degree: usize) -> f64 {
     let square = |x: f64, y: f64| {
         let corners = [[-0.2, -0.3], [0.2, -0.3], [0.2, 0.3], [-0.2, 0.3]].map(|[dx, dy]| [x + dx, y + dy]);
         Loop::straight(corners.to_vec(), vec!["hole".into(); 4])
     };
-    let polygon = plate([3.0, 2.0], vec![square(0.7, 0.9), square(2.1, 1.1)]).cut(cuts).expect("pieces");
-    let mesh = divided(&polygon, 0.4, degree);
+    let polygon = plate([3.0, 2.0], vec![square(0.7, 0.9), square(2.1, 1.1)]);
+    let body = CutBody::new(&polygon, lines, 0.4, degree);
+    body.check();
     let (sigma, material) = ([[1.0, 0.3], [0.3, -0.4]], Material::new(2.0, 0.3, Plane::Strain).expect("a material"));
-    let traction = |e: usize| {
-        let n = mesh.normal(e, 0.0);
+    let load = body.load(|e| {
+        let n = body.mesh.normal(e, 0.0);
         sigma.map(|row| row[0] * n[0] + row[1] * n[1])
-    };
-    let (space, _, u) = solved(&polygon, &mesh, &material, traction);
+    });
+    let u = body.solved(&material, &load);
     let (e, nu) = (2.0, 0.3);
     let strain = [0, 1].map(|i| {
         [0, 1].map(|j| (1.0 + nu) / e * (sigma[i][j] - if i == j { nu * (sigma[0][0] + sigma[1][1]) } else { 0.0 }))
     });
-    let exact: Vec<f64> = space.points.iter().flat_map(|x| strain.map(|row| row[0] * x[0] + row[1] * x[1])).collect();
+    let exact: Vec<f64> = body.points.iter().flat_map(|x| strain.map(|row| row[0] * x[0] + row[1] * x[1])).collect();
     // up to a rigid motion
-    let rest = without(u.iter().zip(&exact).map(|(a, b)| a - b).collect(), &rigid_motions(&space));
+    let rest = without(u.iter().zip(&exact).map(|(a, b)| a - b).collect(), &rigid_motions(&body.points));
     let largest = |v: &[f64]| v.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     largest(&rest) / largest(&exact)
 }
@@ -195,15 +210,15 @@ fn patch(cuts: &[Cut], degree: usize) -> f64 {
 /// 1, 2, 4 and 16 cuts.
 #[test]
 fn constant_stress_in_subdomains() {
-    let across = |k: usize, x: f64| line([[x, -1.0], [x, 3.0]], k);
-    let along = |k: usize, y: f64| line([[-1.0, y], [4.0, y]], k);
-    let t = line([[1.4, 1.0], [4.0, 1.0]], 9);
-    let mut many: Vec<Cut> = (0..10).map(|k| across(k, 0.13 + 0.29 * k as f64)).collect();
-    many.extend((0..6).map(|k| along(20 + k, 0.17 + 0.33 * k as f64)));
+    let across = |x: f64| [[x, -1.0], [x, 3.0]];
+    let along = |y: f64| [[-1.0, y], [4.0, y]];
+    let t = [[1.4, 1.0], [4.0, 1.0]];
+    let mut many: Vec<Line> = (0..10).map(|k| across(0.13 + 0.29 * k as f64)).collect();
+    many.extend((0..6).map(|k| along(0.17 + 0.33 * k as f64)));
     for cuts in [
-        vec![across(0, 1.4)],
-        vec![across(0, 1.4), t.clone()],
-        vec![across(0, 0.7), across(1, 1.4), along(2, 1.0), line([[1.4, 0.2], [4.0, -0.4]], 3)],
+        vec![across(1.4)],
+        vec![across(1.4), t],
+        vec![across(0.7), across(1.4), along(1.0), [[1.4, 0.2], [4.0, -0.4]]],
         many,
     ] {
         for degree in [1, 3] {
@@ -221,45 +236,31 @@ proptest! {
         let across = |(k, angle): (usize, &f64)| {
             let (sin, cos) = angle.sin_cos();
             let [x, y] = [1.1 + 0.8 * off + 0.07 * k as f64, 0.5 + off];
-            line([[x - 9.0 * cos, y - 9.0 * sin], [x + 9.0 * cos, y + 9.0 * sin]], k)
+            [[x - 9.0 * cos, y - 9.0 * sin], [x + 9.0 * cos, y + 9.0 * sin]]
         };
-        let cuts: Vec<Cut> = angles.iter().enumerate().map(across).collect();
+        let cuts: Vec<Line> = angles.iter().enumerate().map(across).collect();
         prop_assert!(patch(&cuts, 2) < 1e-9);
     }
 }
 
-/// Held values of shared nodes: one of the two may name them, or both.
+/// A cut that ends on a held side: its node is held once, and both sides of the cut together are in equilibrium.
 #[test]
-fn shared_nodes_are_held_once() {
-    let polygon = plate([2.0, 1.0], Vec::new()).cut(&grid([2, 1], [2.0, 1.0])).expect("two halves");
-    let mesh = divided(&polygon, 0.5, 3);
-    let (space, material) = (Space::new(&mesh), Material::new(1.0, 0.3, Plane::Strain).expect("a material"));
-    let matrices = stiffness(&polygon, &mesh, &material);
-    let shared = shared_nodes(&space, &twins(&mesh));
-    let bottom = |node: usize| space.points[node][1] == 0.0;
-    let all: Vec<(usize, f64)> =
-        (0..space.nodes()).filter(|&k| bottom(k)).flat_map(|k| [(2 * k, 0.25), (2 * k + 1, 0.0)]).collect();
-    let end = shared.iter().copied().find(|pair| bottom(pair[0])).expect("the lower end of the cut");
-    let once: Vec<(usize, f64)> = all.iter().copied().filter(|(dof, _)| dof / 2 != end[1]).collect();
-    let top: Vec<f64> = space.points.iter().flat_map(|x| [0.0, x[1]]).collect();
-    let displacement = |held: &[(usize, f64)]| {
-        let partition = Partition { held: held.to_vec(), ..Partition::default() };
-        let assembly = Assembly::new(matrices.clone(), &partition, &[], &shared, &[], &[]).expect("a stiffness");
-        let values: Vec<f64> = held.iter().map(|h| h.1).collect();
-        let u = assembly.expand(&assembly.load_held(&top, &values), &[]);
-        // in equilibrium: both sides of the cut together carry the load
-        let mut rest: Vec<f64> = assembly.multiply(&u).iter().zip(&top).map(|(s, f)| s - f).collect();
-        for &[a, b] in &shared {
-            if rest[2 * a] != 0.0 || rest[2 * a + 1] != 0.0 {
-                (0..2).for_each(|i| rest[2 * b + i] += std::mem::take(&mut rest[2 * a + i]));
-            }
-        }
-        let free = |k: usize| !bottom(k / 2);
-        assert!((0..rest.len()).filter(|&k| free(k)).all(|k| rest[k].abs() < 1e-11), "{rest:?}");
-        u
-    };
-    let (both, one) = (displacement(&all), displacement(&once));
-    assert_eq!(both, one);
-    assert!(shared.iter().all(|&[a, b]| both[2 * a..2 * a + 2] == both[2 * b..2 * b + 2]));
-    assert!(all.iter().all(|&(dof, value)| both[dof] == value));
+fn cuts_on_held_sides() {
+    let body = CutBody::new(&plate([2.0, 1.0], Vec::new()), &grid([2, 1], [2.0, 1.0]), 0.5, 3);
+    let bottom = |node: usize| body.points[node][1] == 0.0;
+    let held: Vec<(usize, f64)> =
+        (0..body.points.len()).filter(|&k| bottom(k)).flat_map(|k| [(2 * k, 0.25), (2 * k + 1, 0.0)]).collect();
+    let load: Vec<f64> = body.points.iter().flat_map(|x| [0.0, x[1]]).collect();
+    let partition = Partition { held: held.clone(), ..Partition::default() };
+    let material = Material::new(1.0, 0.3, Plane::Strain).expect("a material");
+    let assembly = body.assembly(&material, &partition, &[]);
+    let values: Vec<f64> = held.iter().map(|h| h.1).collect();
+    let u = assembly.expand(&assembly.load_held(&load, &values), &[]);
+    let rest: Vec<f64> = assembly.multiply(&u).iter().zip(&load).map(|(s, f)| s - f).collect();
+    assert!((0..rest.len()).filter(|&k| !bottom(k / 2)).all(|k| rest[k].abs() < 1e-11), "{rest:?}");
+    assert!(held.iter().all(|&(dof, value)| u[dof] == value));
+    // the support carries all of the load
+    let sum: f64 = (0..rest.len()).filter(|k| k % 2 == 1).map(|k| rest[k]).sum();
+    let applied: f64 = load.iter().sum();
+    assert!((sum + applied).abs() < 1e-11 * applied, "{sum} {applied}");
 }

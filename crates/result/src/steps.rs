@@ -180,7 +180,7 @@ fn load_step(at: &Group) -> Result<Step<BoundaryElements>, IoError> {
         converged: true,
         history: load_vector(at, "history")?,
         estimate,
-        layout: RefinedMesh { mesh, tips: load_tips(at)?, located: load_transitions(at)? },
+        layout: RefinedMesh { mesh, tips: load_tips(at)?, located: load_transitions(at)?, cuts: None },
         seconds,
     })
 }
@@ -216,6 +216,7 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
         .map(|word| Doubt::of_word(&word).ok_or_else(|| invalid(at, "doubts", format!("unknown doubt {word:?}"))));
     Ok(Estimate {
         indicators,
+        of_cuts: Vec::new(),
         residuals,
         correction,
         tips,

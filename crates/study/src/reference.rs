@@ -229,16 +229,16 @@ fn distance(
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<TrueError, SolveError> {
     let (exact, body, _) =
-        solve(scene, refinement.mesh(&scene.problem.outline)?, false, &mut PairCache::default(), observe)?;
+        solve(scene, (refinement.mesh(&scene.problem.outline)?, None), false, &mut PairCache::default(), observe)?;
     let mut difference = prolong(mesh, displacement, &exact);
     difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
     if !exact.particular.is_empty() {
         // nodal values on curves, and those of low degree, are not the particular solution: the field without it counts
         let nodal = |mesh: &Mesh, space: &Space| {
             let mut nodal = vec![0.0; space.dofs()];
-            for piece in pieces(&scene.problem, mesh, space) {
+            for piece in pieces(&scene.problem, mesh, space, None).0 {
                 let Some(own) = scene.particular_solution(piece.body) else { continue };
-                piece.own_mut(&mut nodal).copy_from_slice(&piece.space.interpolate(|x| own.displacement(x)));
+                piece.part.set(&mut nodal, &piece.part.space.interpolate(|x| own.displacement(x)));
             }
             nodal
         };

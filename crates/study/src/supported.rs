@@ -41,7 +41,7 @@ impl Supported {
             (supports.dofs(), scene.unresisted(0, supports.free_motions(springs.resisted(|_| true))));
         let operators = Operators::assemble(&mesh, &space, &scene.body().material(), None)?;
         let Steklov { matrix: mut stiffness, traction } = Steklov::new(operators, scene.domain(0))?;
-        springs.stiffen(&mut stiffness, &pieces(&scene.problem, &mesh, &space)[0], &space);
+        springs.stiffen(&mut stiffness, &pieces(&scene.problem, &mesh, &space, None).0[0]);
         let length: f64 = (0..mesh.len()).map(|e| mesh.length(e)).sum();
         for motion in motions {
             let (moments, square) = moments(&mesh, &space, |x| motion.at(x));

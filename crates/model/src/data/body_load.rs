@@ -1,9 +1,7 @@
 //! A body force that is affine in the place, or a remote stress, in the discrete problem: u = w + u_p, w without them.
 
-use std::ops::Range;
-
 use steklov_algebra::dot;
-use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space};
+use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space, Subdomain};
 use steklov_elastic::plane;
 use steklov_problem::Scene;
 use steklov_quadrature::gauss_legendre;
@@ -18,13 +16,13 @@ const ON_CURVES: usize = 16;
 #[derive(Debug, Clone, Default)]
 pub struct Particulars {
     /// The elements of each body with a particular solution, and that solution.
-    bodies: Vec<(Range<usize>, ParticularSolution)>,
+    bodies: Vec<(Vec<usize>, ParticularSolution)>,
 }
 
 impl Particulars {
     pub(crate) fn new(bodies: &[Assembled], particular: &[Option<Particular>]) -> Self {
         let of = |(body, own): (&Assembled, &Option<Particular>)| {
-            Some((body.piece.elements.clone(), own.as_ref()?.solution))
+            Some((body.piece.part.elements.clone(), own.as_ref()?.solution))
         };
         Self { bodies: bodies.iter().zip(particular).filter_map(of).collect() }
     }
@@ -70,11 +68,11 @@ impl Particular {
     pub(crate) fn of_body(
         scene: &Scene,
         body: usize,
-        Piece { mesh, space, .. }: &Piece,
+        Piece { part: Subdomain { mesh, space, .. }, .. }: &Piece,
         stiffness: impl FnOnce(&[f64]) -> Vec<f64>,
     ) -> Option<Self> {
         let solution = scene.particular_solution(body)?;
-        let held = |e: usize, i: usize| scene.problem.sides[mesh.side[e]].holds(i);
+        let held = |e: usize, i: usize| scene.problem.sides.get(mesh.side[e]).is_some_and(|side| side.holds(i));
         let unbounded = scene.problem.bodies[body].far.is_some();
         Some(Self::new(solution, unbounded, mesh, space, held, stiffness))
     }
@@ -116,7 +114,7 @@ pub(crate) fn energies_of(
     tractions: &[f64],
     particular: Option<&Particular>,
     field: &BoundaryField,
-    Piece { mesh, space, .. }: &Piece,
+    Piece { part: Subdomain { mesh, space, .. }, .. }: &Piece,
 ) -> Energies {
     let traction_work = dot(tractions, displacement);
     let Some(p) = particular else {

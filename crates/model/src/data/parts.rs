@@ -1,66 +1,45 @@
-//! The bodies of a mesh one by one: the nodes and elements of each.
+//! The bodies of a mesh one by one, or the subdomains into which they are cut: the nodes and elements of each.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use faer::Mat;
 use steklov_algebra::{dot, solve_full_lu};
-use steklov_bem_operators::{Mesh, Space, TractionMap};
+use steklov_bem_operators::{CutElements, Mesh, Space, Subdomain, TractionMap};
 use steklov_elastic::{Material, RigidMotion};
 use steklov_problem::Problem;
 
-/// A body of a mesh.
+use crate::mesh::layout::MeshedCuts;
+
+/// A body of a mesh, or a subdomain of one.
 #[derive(Debug, Clone)]
 pub struct Piece {
-    /// Its number.
+    /// The number of the body.
     pub body: usize,
-    /// Its elements.
-    pub elements: Range<usize>,
-    /// Its nodes.
-    pub nodes: Range<usize>,
-    /// Its mesh, elements and nodes counted from 0.
-    pub mesh: Mesh,
-    /// Its unknowns.
-    pub space: Space,
+    /// Its mesh, its unknowns, and their numbers among all.
+    pub part: Subdomain,
     /// Its material.
     pub material: Material,
 }
 
-impl Piece {
-    /// Its own part of a vector of all nodes or traction coefficients, interleaved.
-    pub fn own<'v>(&self, nodal: &'v [f64]) -> &'v [f64] {
-        &nodal[2 * self.nodes.start..2 * self.nodes.end]
-    }
-
-    /// The same, mutable.
-    pub fn own_mut<'v>(&self, nodal: &'v mut [f64]) -> &'v mut [f64] {
-        &mut nodal[2 * self.nodes.start..2 * self.nodes.end]
-    }
-}
-
-/// The bodies in the order of their elements.
-pub fn pieces(problem: &Problem, mesh: &Mesh, space: &Space) -> Vec<Piece> {
+/// The bodies in the order of their elements; one that is cut as its subdomains, with the elements of the cuts.
+pub fn pieces(problem: &Problem, mesh: &Mesh, space: &Space, cuts: Option<&MeshedCuts>) -> (Vec<Piece>, CutElements) {
     let edges = problem.outline.edges();
     let body_of = |e: usize| problem.outline.body_of_loop(edges[mesh.edge[e]].loop_index);
+    let piece = |body: usize, part: Subdomain| Piece { body, part, material: problem.bodies[body].material() };
+    if let Some(MeshedCuts { cuts, elements }) = cuts.filter(|cuts| cuts.cuts.count() > 1) {
+        let (parts, cut) = cuts.subdomains(mesh, space, elements);
+        return (parts.into_iter().map(|part| piece(0, part)).collect(), cut);
+    }
     let mut pieces: Vec<Piece> = Vec::new();
     let mut first = 0;
     for e in 1..=mesh.len() {
         if e < mesh.len() && body_of(e) == body_of(first) {
             continue;
         }
-        let elements = first..e;
-        let part = mesh.part(elements.clone());
-        pieces.push(Piece {
-            body: body_of(first),
-            nodes: space.offset[first]..space.offset[e],
-            space: Space::new(&part),
-            mesh: part,
-            material: problem.bodies[body_of(first)].material(),
-            elements,
-        });
+        pieces.push(piece(body_of(first), Subdomain::whole(mesh, space, first..e)));
         first = e;
     }
-    pieces
+    (pieces, CutElements::default())
 }
 
 /// A body with the results of its assembly.
@@ -148,13 +127,13 @@ impl Assembled {
     /// Removes the motion that springs carry from a nodal displacement of the body, and returns it.
     pub(crate) fn settle(&self, own: &mut [f64]) -> Option<RigidMotion> {
         let motion = self.carried.as_ref()?.of(own);
-        own.iter_mut().zip(motion.nodal(&self.piece.space.points)).for_each(|(u, r)| *u -= r);
+        own.iter_mut().zip(motion.nodal(&self.piece.part.space.points)).for_each(|(u, r)| *u -= r);
         Some(motion)
     }
 
     /// The motion that nodal values miss in a nodal displacement of the body, by least squares.
     pub(crate) fn motion(&self, own: &[f64]) -> Option<RigidMotion> {
-        let points = &self.piece.space.points;
+        let points = &self.piece.part.space.points;
         let motions: Vec<Vec<f64>> = self.turning.iter().map(|motion| motion.nodal(points)).collect();
         if motions.is_empty() {
             return None;

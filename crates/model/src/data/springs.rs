@@ -187,10 +187,9 @@ impl Springs {
     }
 
     /// Adds M to the matrix of a body.
-    pub fn stiffen(&self, matrix: &mut Mat<f64>, piece: &Piece, space: &Space) {
-        let first = 2 * piece.nodes.start;
-        for own in self.elements.iter().filter(|own| piece.elements.contains(&own.element)) {
-            let nodes: Vec<usize> = space.element_nodes(own.element).map(|node| 2 * node - first).collect();
+    pub fn stiffen(&self, matrix: &mut Mat<f64>, piece: &Piece) {
+        for (own, local) in self.elements.iter().filter_map(|own| Some((own, piece.part.local(own.element)?))) {
+            let nodes: Vec<usize> = piece.part.space.element_nodes(local).map(|node| 2 * node).collect();
             for Point { values, springs, .. } in &own.points {
                 for &(weight, d) in springs {
                     for (a, b) in (0..nodes.len()).flat_map(|a| (0..nodes.len()).map(move |b| (a, b))) {

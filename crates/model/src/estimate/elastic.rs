@@ -9,10 +9,9 @@
 //! The part of u0 that the nodes miss is not included: its solution, which has no jump of tractions, is orthogonal in the
 //! energy of body and medium to all that has no jump of displacements.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, PairCache};
+use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, PairCache, Subdomain};
 use steklov_elastic::plane::{dot, solve2};
 
 use crate::data::parts::Assembled;
@@ -25,15 +24,28 @@ pub struct EnrichedBody {
     outside: Option<Arc<EnrichedSteklov>>,
 }
 
-/// One of the bodies.
+/// One of the bodies, or a subdomain.
 #[derive(Clone)]
 struct EnrichedPiece {
     /// The operators of the modulus of its assembly.
     enriched: Arc<EnrichedSteklov>,
     /// Its modulus over that.
     modulus: f64,
-    elements: Range<usize>,
-    nodes: Range<usize>,
+    place: Arc<Place>,
+}
+
+/// The numbers of nodes and elements among all.
+struct Place {
+    nodes: Vec<usize>,
+    elements: Vec<usize>,
+    /// The signs of the bubbles relative to those of all.
+    signs: Vec<f64>,
+}
+
+impl Place {
+    fn of(part: &Subdomain) -> Self {
+        Self { nodes: part.nodes.clone(), elements: part.elements.clone(), signs: part.bubble_signs() }
+    }
 }
 
 impl EnrichedBody {
@@ -47,10 +59,11 @@ impl EnrichedBody {
             body.outside.as_ref().map(|outside| outside.enriched(&body.mesh, &body.space, cache)).transpose()?;
         let mut bodies = Vec::new();
         for Assembled { piece, length, traction_map, modulus, .. } in &body.pieces {
+            let part = &piece.part;
             let enriched =
-                EnrichedSteklov::new(&piece.mesh, &piece.space, &piece.material, *length, traction_map, cache)?;
-            let (elements, nodes) = (piece.elements.clone(), piece.nodes.clone());
-            bodies.push(EnrichedPiece { enriched: Arc::new(enriched), modulus: *modulus, elements, nodes });
+                EnrichedSteklov::new(&part.mesh, &part.space, &piece.material, *length, traction_map, cache)?;
+            let place = Arc::new(Place::of(part));
+            bodies.push(EnrichedPiece { enriched: Arc::new(enriched), modulus: *modulus, place });
         }
         Ok(Self { bodies, outside: outside.map(Arc::new) })
     }
@@ -65,88 +78,116 @@ impl EnrichedBody {
 /// Displacements and the enriched matrices that they belong to: of each body, and of the medium around one.
 pub(crate) struct Elastic<'a> {
     parts: Vec<Part<'a>>,
+    /// Number of nodes and elements.
+    nodes: usize,
     elements: usize,
 }
 
-/// A body or a medium.
+/// A body, a subdomain or a medium.
 struct Part<'a> {
     enriched: &'a EnrichedSteklov,
     /// The factor of its operators.
     modulus: f64,
     /// Nodal displacement.
-    u: &'a [f64],
-    elements: Range<usize>,
-    nodes: Range<usize>,
+    u: Vec<f64>,
+    place: Arc<Place>,
 }
 
 impl Part<'_> {
-    /// The part of values of the elements, two each.
-    fn extra<'v>(&self, extra: &'v [f64]) -> &'v [f64] {
-        &extra[2 * self.elements.start..2 * self.elements.end]
+    /// The part of values of the bubbles, two each.
+    fn extra(&self, all: &[f64]) -> Vec<f64> {
+        let Place { elements, signs, .. } = &*self.place;
+        elements.iter().zip(signs).flat_map(|(e, sign)| [sign * all[2 * e], sign * all[2 * e + 1]]).collect()
+    }
+
+    /// Adds forces on its bubbles, times its modulus, to those of all.
+    fn add_extra(&self, all: &mut [f64], own: &[f64]) {
+        let Place { elements, signs, .. } = &*self.place;
+        for ((e, sign), own) in elements.iter().zip(signs).zip(own.chunks_exact(2)) {
+            (0..2).for_each(|i| all[2 * e + i] += self.modulus * sign * own[i]);
+        }
     }
 
     /// The part of values of the nodes, two each.
-    fn base<'v>(&self, base: &'v [f64]) -> &'v [f64] {
-        &base[2 * self.nodes.start..2 * self.nodes.end]
+    fn base(&self, all: &[f64]) -> Vec<f64> {
+        own(&self.place.nodes, all)
     }
+
+    /// Adds forces on its nodes, times its modulus, to those of all.
+    fn add_base(&self, all: &mut [f64], own: &[f64]) {
+        for (node, own) in self.place.nodes.iter().zip(own.chunks_exact(2)) {
+            (0..2).for_each(|i| all[2 * node + i] += self.modulus * own[i]);
+        }
+    }
+}
+
+/// The values of some nodes, two each.
+fn own(nodes: &[usize], all: &[f64]) -> Vec<f64> {
+    nodes.iter().flat_map(|node| [all[2 * node], all[2 * node + 1]]).collect()
 }
 
 impl<'a> Elastic<'a> {
     pub(crate) fn new(enriched: &'a EnrichedBody, factors: &'a Factors) -> Self {
-        let of_body = |EnrichedPiece { enriched, modulus, elements, nodes }: &'a EnrichedPiece| Part {
+        let of_body = |EnrichedPiece { enriched, modulus, place }: &'a EnrichedPiece| Part {
             enriched,
             modulus: *modulus,
-            u: &factors.homogeneous[2 * nodes.start..2 * nodes.end],
-            elements: elements.clone(),
-            nodes: nodes.clone(),
+            u: own(&place.nodes, &factors.homogeneous),
+            place: place.clone(),
         };
         let mut parts: Vec<Part<'a>> = enriched.bodies.iter().map(of_body).collect();
-        let elements = parts.last().map_or(0, |part| part.elements.end);
-        let outside = enriched.outside.as_ref().zip(factors.outside.as_deref());
-        let of_medium = |(enriched, u): (&'a Arc<EnrichedSteklov>, &'a [f64])| Part {
+        let elements = parts.iter().flat_map(|part| &part.place.elements).max().map_or(0, |e| e + 1);
+        let outside = enriched.outside.as_ref().zip(factors.outside.as_ref());
+        let of_medium = |(enriched, u): (&'a Arc<EnrichedSteklov>, &'a Vec<f64>)| Part {
             enriched,
             modulus: 1.0,
-            u,
-            elements: 0..elements,
-            nodes: 0..u.len() / 2,
+            u: u.clone(),
+            place: Arc::new(Place {
+                nodes: (0..u.len() / 2).collect(),
+                elements: (0..elements).collect(),
+                signs: vec![1.0; elements],
+            }),
         };
         parts.extend(outside.map(of_medium));
-        Self { parts, elements }
+        Self { parts, nodes: factors.homogeneous.len() / 2, elements }
+    }
+
+    /// Number of elements, those of cuts included.
+    pub(crate) fn elements(&self) -> usize {
+        self.elements
     }
 
     /// Forces on the bubbles, two for each element.
     pub(crate) fn bubble_force(&self) -> Vec<f64> {
         let mut forces = vec![0.0; 2 * self.elements];
         for part in &self.parts {
-            add(&mut forces, 2 * part.elements.start, part.modulus, &part.enriched.bubble_force(part.u));
+            part.add_extra(&mut forces, &part.enriched.bubble_force(&part.u));
         }
         forces
     }
 
     /// η_ψ² = ρ_ψᵀ [V_PP]⁻¹ ρ_ψ of each element, summed over the parts.
-    pub(crate) fn traction_indicators(&self, elements: usize) -> Vec<f64> {
-        self.weighted_tractions(elements, [1.0; 2])
+    pub(crate) fn traction_indicators(&self) -> Vec<f64> {
+        self.weighted_tractions([1.0; 2])
     }
 
     /// The part of them where a much stiffer medium or body practically holds the displacement: no correction of displacements
     /// has this energy.
-    pub(crate) fn held_tractions(&self, elements: usize, moduli: Option<[f64; 2]>) -> f64 {
+    pub(crate) fn held_tractions(&self, moduli: Option<[f64; 2]>) -> f64 {
         let Some([body, medium]) = moduli else { return 0.0 };
         let weight = |own: f64, other: f64| (other / (own + other)).powi(4);
         let weights = [weight(body, medium), weight(medium, body)];
-        self.weighted_tractions(elements, weights).iter().sum()
+        self.weighted_tractions(weights).iter().sum()
     }
 
-    fn weighted_tractions(&self, elements: usize, weights: [f64; 2]) -> Vec<f64> {
-        let mut indicators = vec![0.0; elements];
+    fn weighted_tractions(&self, weights: [f64; 2]) -> Vec<f64> {
+        let mut indicators = vec![0.0; self.elements];
         for (k, part) in self.parts.iter().enumerate() {
-            let residual = part.enriched.traction_residual(part.u);
+            let residual = part.enriched.traction_residual(&part.u);
             let weight = weights[k.min(1)];
-            let own = &mut indicators[part.elements.clone()];
-            for (e, (indicator, rho)) in own.iter_mut().zip(residual.chunks_exact(2)).enumerate() {
-                let a = part.enriched.single_layer_block(e);
+            for (local, (&e, rho)) in part.place.elements.iter().zip(residual.chunks_exact(2)).enumerate() {
+                let a = part.enriched.single_layer_block(local);
                 let rho = [rho[0], rho[1]];
-                *indicator += weight * part.modulus * dot(solve2(a, rho), rho).max(0.0);
+                indicators[e] += weight * part.modulus * dot(solve2(a, rho), rho).max(0.0);
             }
         }
         indicators
@@ -154,27 +195,26 @@ impl<'a> Elastic<'a> {
 
     /// S₊u - (Su, 0), and its work on u: both summed over the parts.
     pub(crate) fn excess(&self) -> (Enriched, f64) {
-        let nodes = self.parts.iter().map(|part| part.nodes.end).max().unwrap_or(0);
-        let (mut all, mut gained) = (Enriched { base: vec![0.0; 2 * nodes], extra: vec![0.0; 2 * self.elements] }, 0.0);
+        let mut all = Enriched { base: vec![0.0; 2 * self.nodes], extra: vec![0.0; 2 * self.elements] };
+        let mut gained = 0.0;
         for part in &self.parts {
-            let excess = part.enriched.excess(part.u);
+            let excess = part.enriched.excess(&part.u);
             gained += part.modulus * part.u.iter().zip(&excess.base).map(|(u, s)| u * s).sum::<f64>();
-            add(&mut all.base, 2 * part.nodes.start, part.modulus, &excess.base);
-            add(&mut all.extra, 2 * part.elements.start, part.modulus, &excess.extra);
+            part.add_base(&mut all.base, &excess.base);
+            part.add_extra(&mut all.extra, &excess.extra);
         }
         (all, gained)
     }
 
-    /// S₊v, given S times the base part of v.
+    /// S₊v, given Σ S times the base part of v.
     pub(crate) fn multiply(&self, v: &Enriched, base_force: Vec<f64>) -> Enriched {
         let mut all = Enriched { base: base_force, extra: vec![0.0; v.extra.len()] };
         for part in &self.parts {
-            let own = Enriched { base: part.base(&v.base).to_vec(), extra: part.extra(&v.extra).to_vec() };
-            let base_force: Vec<f64> = part.base(&all.base).iter().map(|f| f / part.modulus).collect();
-            let Enriched { base, extra } = part.enriched.multiply(&own, &base_force);
-            let of_part = all.base[2 * part.nodes.start..2 * part.nodes.end].iter_mut();
-            of_part.zip(base).for_each(|(all, own)| *all = part.modulus * own);
-            add(&mut all.extra, 2 * part.elements.start, part.modulus, &extra);
+            let own = Enriched { base: part.base(&v.base), extra: part.extra(&v.extra) };
+            // what it adds to S times the base part
+            let Enriched { base, extra } = part.enriched.multiply(&own, &vec![0.0; own.base.len()]);
+            part.add_base(&mut all.base, &base);
+            part.add_extra(&mut all.extra, &extra);
         }
         all
     }
@@ -190,16 +230,13 @@ impl<'a> Elastic<'a> {
     }
 
     fn block(&self, e: usize, of: impl Fn(&EnrichedSteklov, usize) -> [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-        let here = self.parts.iter().filter(|part| part.elements.contains(&e));
-        let blocks = here.map(|part| {
-            let block = of(part.enriched, e - part.elements.start);
-            block.map(|row| row.map(|entry| part.modulus * entry))
-        });
-        blocks.fold([[0.0; 2]; 2], |sum, a| [0, 1].map(|i| [0, 1].map(|j| sum[i][j] + a[i][j])))
+        let mut sum = [[0.0; 2]; 2];
+        for part in &self.parts {
+            // elements are few and their numbers rise, except in subdomains
+            let Some(local) = part.place.elements.iter().position(|&own| own == e) else { continue };
+            let block = of(part.enriched, local);
+            (0..2).for_each(|i| (0..2).for_each(|j| sum[i][j] += part.modulus * block[i][j]));
+        }
+        sum
     }
-}
-
-/// Adds a part times a factor to all, from a place on.
-fn add(all: &mut [f64], first: usize, factor: f64, part: &[f64]) {
-    all[first..].iter_mut().zip(part).for_each(|(a, b)| *a += factor * b);
 }

@@ -47,7 +47,12 @@ impl Frame {
 
 /// The free directions of every bubble: all except those that are held and those that the contact state prescribes. Another
 /// body gives way.
-pub(crate) fn frames(data: &OnMesh<'_>, bubbles: &[ContactBubble], facing: &[FacingLoad]) -> Vec<Frame> {
+pub(crate) fn frames(
+    data: &OnMesh<'_>,
+    elements: usize,
+    bubbles: &[ContactBubble],
+    facing: &[FacingLoad],
+) -> Vec<Frame> {
     let mesh = data.mesh;
     let mut frames: Vec<Frame> = (0..mesh.len())
         .map(|e| match &data.scene.problem.sides[mesh.side[e]].condition {
@@ -57,6 +62,8 @@ pub(crate) fn frames(data: &OnMesh<'_>, bubbles: &[ContactBubble], facing: &[Fac
             _ => Frame::FREE,
         })
         .collect();
+    // those of cuts
+    frames.resize(elements, Frame::FREE);
     for bubble in bubbles {
         let e = bubble.element;
         frames[e] = Frame { directions: data.contact_frame(e), free: bubble.free };

@@ -62,6 +62,8 @@ impl Bubble {
 pub struct Estimate {
     /// Indicators of the elements.
     pub indicators: Vec<Bubble>,
+    /// Indicators of the elements of cuts, of both sides together.
+    pub of_cuts: Vec<Bubble>,
     /// Residuals, if they are requested and known; else empty.
     pub residuals: Vec<Residual>,
     /// ⟨S₊e₊, e₊⟩ of the correction e₊ that the enriched spaces add.
@@ -151,11 +153,12 @@ pub fn estimate(
     };
     let closed: Vec<usize> = bubbles.iter().filter(|b| !b.free[0]).map(|b| b.element).collect();
     let facing = data.facing_loads(&body.joints, solved.elastic_field(), &bubbles);
-    let frames = frames(&data, &bubbles, &facing);
+    let frames = frames(&data, elastic.elements(), &bubbles, &facing);
     let residual = bubble_residual(&data, factors, &elastic, &bubbles, &facing);
-    let of_springs = body.springs.bubble_blocks(mesh.len());
+    let of_springs = body.springs.bubble_blocks(elastic.elements());
     let (mut indicators, held_oscillation) =
         indicators(&data, solved, &elastic, (&bubbles, &frames), (&residual, &of_springs))?;
+    let of_cuts = indicators.split_off(mesh.len());
     let scale = scale(&solved.energies, body, factors);
     let nonconformity = data.nonconformity(&body.joints, solved.elastic_field(), &bubbles);
     for &(e, energy) in data.tie_oscillation(&body.joints)?.iter().chain(&nonconformity.energies) {
@@ -168,7 +171,8 @@ pub fn estimate(
 
     let held = held_tractions(scene, solved, &elastic, &indicators, (&frames, &of_springs));
     let unseen = unseen_of(scene, solved, factors, &indicators, &correction);
-    let error = combined_error(&indicators, squared, unseen, held, factors.difference);
+    let all: Vec<Bubble> = indicators.iter().chain(&of_cuts).copied().collect();
+    let error = combined_error(&all, squared, unseen, held, factors.difference);
     let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
     let friction = data.friction_work_left(solved, factors)?;
     let turning = data.turning_work(solved, body, &factors.homogeneous);
@@ -196,8 +200,19 @@ pub fn estimate(
     doubts.extend(turns_too_far(solved, body).then_some(Doubt::Roundoff));
     let relative = ratio(error, scale);
     let correction = squared;
-    let estimate =
-        Estimate { indicators, residuals, correction, tips: 0.0, error, relative, scale, energy, uncertainty, doubts };
+    let estimate = Estimate {
+        indicators,
+        of_cuts,
+        residuals,
+        correction,
+        tips: 0.0,
+        error,
+        relative,
+        scale,
+        energy,
+        uncertainty,
+        doubts,
+    };
     Ok((estimate, Unseen { overlaps, unresolved }))
 }
 
@@ -273,14 +288,14 @@ fn indicators(
     (residual, springs): (&[f64], &[[[f64; 2]; 2]]),
 ) -> Result<(Vec<Bubble>, f64), SolveError> {
     let modulus = |e: usize| data.material_of(e).plane_modulus();
-    let tractions = elastic.traction_indicators(data.mesh.len());
+    let tractions = elastic.traction_indicators();
     let of = |e: usize| Bubble {
         displacement: frames[e]
             .energy(sum(elastic.hypersingular_block(e), springs[e]), [residual[2 * e], residual[2 * e + 1]]),
         traction: tractions[e],
         oscillation: 0.0,
     };
-    let mut indicators: Vec<Bubble> = (0..data.mesh.len()).map(of).collect();
+    let mut indicators: Vec<Bubble> = (0..elastic.elements()).map(of).collect();
     for bubble in bubbles {
         indicators[bubble.element].oscillation +=
             data.scene.problem.contact_modulus(data.mesh.edge[bubble.element]) / 2.0 * bubble.oscillation;
@@ -318,7 +333,7 @@ fn held_tractions(
     let held: f64 = weighted.map(|(weight, traction)| weight * traction).sum();
     let moduli =
         solved.around.as_ref().map(|around| [&scene.body().material(), &around.material].map(Material::plane_modulus));
-    held.max(elastic.held_tractions(solved.mesh.len(), moduli))
+    held.max(elastic.held_tractions(moduli))
 }
 
 /// The energy that is not seen next to vertices whose stresses grow fast; and, for strategies that keep the degree, the energy

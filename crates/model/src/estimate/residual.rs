@@ -113,7 +113,7 @@ impl OnMesh<'_> {
             [0, 1].map(|i| given[i].map(|t| t - particular[i]))
         };
         let first = elements.start;
-        let boundary = boundary_residuals_of(self.mesh, solved.field.of_body(0), &traction, elements.clone(), look)?;
+        let boundary = boundary_residuals_of(self.mesh, solved.field.of_piece(0), &traction, elements.clone(), look)?;
         let mut residuals: Vec<Residual> =
             boundary.into_iter().map(|boundary| Residual { boundary, ..Default::default() }).collect();
         if let Some(contact) = &solved.contact {
@@ -125,7 +125,7 @@ impl OnMesh<'_> {
                     Some(s) => Multiplier::Stabilised(&s.space, &s.solution.multipliers),
                     None => Multiplier::Biorthogonal(&contact.boundary, &contact.solution.multipliers),
                 },
-                field: solved.field.of_body(0),
+                field: solved.field.of_piece(0),
                 body_force: body,
             };
             let contact = self.with_contact_data(&[], |sides| contact_residuals_of(&solution, sides, elements, look));

@@ -22,8 +22,8 @@ impl OnMesh<'_> {
         let mut work = 0.0;
         for assembled in &body.pieces {
             let piece = &assembled.piece;
-            let Some(motion) = assembled.motion(piece.own(homogeneous)) else { continue };
-            for e in piece.elements.clone().filter(|&e| !self.mesh.is_line(e)) {
+            let Some(motion) = assembled.motion(&piece.part.own(homogeneous)) else { continue };
+            for e in piece.part.elements.iter().copied().filter(|&e| e < self.mesh.len() && !self.mesh.is_line(e)) {
                 let basis = self.space.basis(e);
                 let rule = gauss_legendre(basis.degree + MORE);
                 let nodal: Vec<[f64; 2]> =

@@ -56,7 +56,7 @@ impl Layout {
             }
         }
         halve_single(&mut subdivision, scene);
-        Self { subdivision, tips: Vec::new() }.with_equal_cuts(&scene.problem)
+        Self { subdivision, tips: Vec::new(), cuts: None }.with_equal_cuts(&scene.problem)
     }
 }
 

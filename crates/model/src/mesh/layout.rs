@@ -1,6 +1,8 @@
 //! A mesh to be solved.
 
-use steklov_bem_operators::{Piece, Subdivision};
+use std::sync::Arc;
+
+use steklov_bem_operators::{Cuts, Piece, Subdivision};
 use steklov_contact::Tip;
 use steklov_problem::Problem;
 
@@ -11,6 +13,17 @@ pub struct Layout {
     pub subdivision: Subdivision,
     /// The vertices at transitions.
     pub tips: Vec<Tip>,
+    /// The cuts through the body and their elements, if it is cut.
+    pub cuts: Option<MeshedCuts>,
+}
+
+/// The lines along which a body is cut into subdomains, and the elements of each part of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshedCuts {
+    /// The cuts.
+    pub cuts: Arc<Cuts>,
+    /// The elements of [`Cuts::parts`].
+    pub elements: Vec<Vec<Piece>>,
 }
 
 /// Vertices of both sides of a cut that are closer than this (edge parameter) are one.

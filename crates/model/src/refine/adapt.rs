@@ -277,7 +277,7 @@ impl Layout {
         };
         let high = Grading { max_degree: Mesh::MAX_DEGREE, ..Grading::default() };
         let subdivision = Subdivision::new(mesh, &marks).refined_by_mark(&high);
-        let layout = Self { subdivision, tips: Vec::new() }.with_equal_cuts(&scene.problem);
+        let layout = Self { subdivision, tips: Vec::new(), cuts: self.cuts.clone() }.with_equal_cuts(&scene.problem);
         Ok((layout, marking.state.map_or(Vec::new(), unlocated)))
     }
 
@@ -299,7 +299,8 @@ impl Layout {
         };
         follow_beyond(scene, &self.tips, &tips, &mut subdivision, &mut singular);
         tips.iter().for_each(|tip| singular[tip.edge].push(tip.s));
-        let layout = Self { subdivision: subdivision.refined(&singular, &Grading::default()), tips };
+        let layout =
+            Self { subdivision: subdivision.refined(&singular, &Grading::default()), tips, cuts: self.cuts.clone() };
         Ok((layout.with_equal_cuts(&scene.problem), located))
     }
 }

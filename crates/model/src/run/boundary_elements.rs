@@ -13,7 +13,7 @@ use crate::error::SolveError;
 use crate::estimate::elastic::EnrichedBody;
 use crate::estimate::error_estimate::{Estimate, ROUNDOFF, estimate, is_estimated};
 use crate::estimate::penetration::Unseen;
-use crate::mesh::layout::Layout;
+use crate::mesh::layout::{Layout, MeshedCuts};
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, run, seconds_of};
 use crate::run::boundary_report;
 use crate::run::memory::{Lack, lack};
@@ -37,6 +37,8 @@ pub struct RefinedMesh {
     pub tips: Vec<Tip>,
     /// The believed positions of the transitions.
     pub located: Vec<Located>,
+    /// The cuts through the body, if it is cut.
+    pub cuts: Option<MeshedCuts>,
 }
 
 impl Step<BoundaryElements> {
@@ -63,9 +65,9 @@ impl Progress<BoundaryElements> {
     /// The state before the last of these steps was solved; None without steps. Solving it again gives the same bits and the
     /// same next layout.
     pub fn before_last(mut steps: Vec<Step<BoundaryElements>>) -> Option<Self> {
-        let RefinedMesh { mesh, tips, .. } = steps.pop()?.layout;
+        let RefinedMesh { mesh, tips, cuts, .. } = steps.pop()?.layout;
         let subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
-        Some(Self { steps, next: Layout { subdivision, tips } })
+        Some(Self { steps, next: Layout { subdivision, tips, cuts } })
     }
 }
 
@@ -80,7 +82,10 @@ impl Run<BoundaryElements> {
             None if self.reason == Reason::Interrupted => Err(SolveError::Interrupted),
             none => {
                 let (mesh, estimated) = (self.last.mesh.clone(), is_estimated(scene, self.last.space.dofs()));
-                let again = || solve(scene, mesh.clone(), estimated, &mut PairCache::default(), &mut |_| Ok(()));
+                let cuts = self.progress.steps.last().and_then(|step| step.layout.cuts.clone());
+                let again = || {
+                    solve(scene, (mesh.clone(), cuts.as_ref()), estimated, &mut PairCache::default(), &mut |_| Ok(()))
+                };
                 let (_, body, _) = once_more(again)?;
                 Ok(none.insert(body))
             }
@@ -134,7 +139,7 @@ impl Model for BoundaryElements {
     ) -> Result<Advanced<Self>, SolveError> {
         let mesh = progress.next.subdivision.mesh(&scene.problem.outline)?;
         let estimated = is_estimated(scene, progress.next.dofs());
-        let (solved, body, factors) = solve(scene, mesh, estimated, cache, observe)?;
+        let (solved, body, factors) = solve(scene, (mesh, progress.next.cuts.as_ref()), estimated, cache, observe)?;
         if let (Some(contact), Some(part)) = (&solved.contact, &factors.contact) {
             observe(Stage::Contact(&part.problem, &contact.solution))?;
         }
@@ -171,7 +176,12 @@ impl Model for BoundaryElements {
         }
         let contact = solved.contact.as_ref();
         let step = Step {
-            layout: RefinedMesh { mesh: solved.mesh.clone(), tips: progress.next.tips.clone(), located },
+            layout: RefinedMesh {
+                mesh: solved.mesh.clone(),
+                tips: progress.next.tips.clone(),
+                located,
+                cuts: progress.next.cuts.clone(),
+            },
             dofs: solved.space.dofs(),
             energy: solved.energies.total,
             strain: solved.energies.strain,

@@ -128,7 +128,7 @@ fn exterior_summary(scene: &Scene, solved: &Solved) -> Option<MediumSummary> {
         },
         resultant,
         balanced: norm(resultant) <= BALANCED * sum,
-        constant: field.of_body(body).at_infinity(),
+        constant: field.of_piece(body).at_infinity(),
         length: mesh.part(field.elements(body)).diameter(),
     })
 }

@@ -1,7 +1,9 @@
 //! A body on a mesh: its matrices, which no load changes, and its answer to loads.
 
+use std::sync::Arc;
+
 use faer::{Mat, Scale};
-use steklov_bem_operators::{Assembly, BoundaryField, Mesh, Space};
+use steklov_bem_operators::{Assembly, BoundaryField, Cuts, Mesh, Space};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_elastic::RigidMotion;
 use steklov_problem::Scene;
@@ -10,7 +12,7 @@ use crate::data::body_load::{Particular, Particulars, energies_of};
 use crate::data::joints::{Joint, TiedNode};
 use crate::data::motions::work;
 use crate::data::on_mesh::{Loads, OnMesh};
-use crate::data::parts::Assembled;
+use crate::data::parts::{Assembled, Piece};
 use crate::data::springs::Springs;
 use crate::data::supports::{Held, Supports};
 use crate::energies::Energies;
@@ -29,7 +31,13 @@ pub struct Body {
     pub mesh: Mesh,
     /// Its unknowns.
     pub space: Space,
-    /// The bodies one by one, with their materials.
+    /// The points of all nodes: those of the space, and behind them those on cuts.
+    pub points: Vec<[f64; 2]>,
+    /// Number of elements, those of cuts included.
+    pub(crate) elements: usize,
+    /// Where the only body is cut into subdomains.
+    pub(crate) cuts: Option<Arc<Cuts>>,
+    /// The bodies one by one, or the subdomains of one that is cut, with their materials.
     pub pieces: Vec<Assembled>,
     /// S, the free unknowns eliminated; with a medium around the body the sum of both.
     pub condensation: Assembly,
@@ -82,12 +90,20 @@ impl Loading {
         held: Vec<f64>,
         bodies: &[Assembled],
     ) -> Self {
+        let parts = || bodies.iter().map(|body| &body.piece.part);
+        let past = |numbers: &[usize]| numbers.iter().max().map_or(0, |last| last + 1);
+        let nodes = parts().map(|part| past(&part.nodes)).max().unwrap_or(0);
+        let elements = parts().map(|part| past(&part.elements)).max().unwrap_or(0);
         let (mut load, mut extra_load) = (loads.nodal.clone(), loads.bubbles.clone());
-        for (Assembled { piece, .. }, p) in bodies.iter().zip(&particular) {
+        load.resize(2 * nodes, 0.0);
+        extra_load.resize(2 * elements, 0.0);
+        for (part, p) in parts().zip(&particular) {
             let Some(p) = p else { continue };
-            piece.own_mut(&mut load).iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
-            let of_bubbles = p.solution.bubble_load(&piece.mesh, &piece.space);
-            extra_load[2 * piece.elements.start..].iter_mut().zip(of_bubbles).for_each(|(f, t)| *f -= t);
+            part.add_to(&mut load, &p.load);
+            let of_bubbles = p.solution.bubble_load(&part.mesh, &part.space);
+            for ((e, sign), t) in part.elements.iter().zip(part.bubble_signs()).zip(of_bubbles.chunks_exact(2)) {
+                (0..2).for_each(|i| extra_load[2 * e + i] -= sign * t[i]);
+            }
         }
         Self { loads, particular, boundary, held, judged: true, liftable: true, stabilised: None, load, extra_load }
     }
@@ -133,6 +149,9 @@ impl Body {
             largest_diagonal: condensation.largest_diagonal(),
             mesh: self.mesh.clone(),
             space: self.space.clone(),
+            points: self.points.clone(),
+            elements: self.elements,
+            cuts: self.cuts.clone(),
             pieces,
             condensation,
             outside: None,
@@ -147,21 +166,20 @@ impl Body {
     }
 
     /// The elastic field of a nodal displacement.
-    pub fn field(&self, displacement: &[f64]) -> Field {
-        let of = |body: &Assembled| {
-            let Assembled { piece, length, traction_map, .. } = body;
-            let mut own = piece.own(displacement).to_vec();
+    pub fn field<'b>(&'b self, displacement: &[f64]) -> Field {
+        let of = |body: &'b Assembled| {
+            let Assembled { piece: Piece { part, material, .. }, length, traction_map, .. } = body;
+            let mut own = part.own(displacement);
             let carried = body.settle(&mut own);
             let motion = body.motion(&own);
             if let Some(motion) = &motion {
-                own.iter_mut().zip(motion.nodal(&piece.space.points)).for_each(|(u, r)| *u -= r);
+                own.iter_mut().zip(motion.nodal(&part.space.points)).for_each(|(u, r)| *u -= r);
             }
             let traction = body.traction(&own);
-            let field = BoundaryField::new(&piece.mesh, &piece.space, &piece.material, &own, &traction, *length);
-            let field = field.tending_to(traction_map.at_infinity(&own)).moved(RigidMotion::sum(carried, motion));
-            (piece.elements.clone(), field)
+            let field = BoundaryField::new(&part.mesh, &part.space, material, &own, &traction, *length);
+            (part, field.tending_to(traction_map.at_infinity(&own)).moved(RigidMotion::sum(carried, motion)))
         };
-        Field::new(self.pieces.iter().map(of).collect())
+        Field::new(self.pieces.iter().map(of).collect(), self.cuts.clone(), self.mesh.len())
     }
 
     /// S u of the bodies alone, without springs.
@@ -177,8 +195,10 @@ impl Body {
     /// A nodal displacement without the motions of bodies that springs carry: S of the bodies alone does not resist them.
     pub(crate) fn settled(&self, displacement: &[f64]) -> Vec<f64> {
         let mut settled = displacement.to_vec();
-        for body in &self.pieces {
-            body.settle(body.piece.own_mut(&mut settled));
+        for body in self.pieces.iter().filter(|body| body.carried.is_some()) {
+            let mut own = body.piece.part.own(&settled);
+            body.settle(&mut own);
+            body.piece.part.set(&mut settled, &own);
         }
         settled
     }
@@ -199,7 +219,16 @@ impl Body {
 
     /// Tractions of a nodal displacement, Legendre coefficients as the space numbers them.
     pub fn traction(&self, displacement: &[f64]) -> Vec<f64> {
-        self.pieces.iter().flat_map(|body| body.traction(body.piece.own(displacement))).collect()
+        let mut all = vec![0.0; self.space.dofs()];
+        for body in &self.pieces {
+            let part = &body.piece.part;
+            let own = body.traction(&part.own(displacement));
+            for (local, &e) in part.elements.iter().enumerate().filter(|(_, e)| **e < self.mesh.len()) {
+                let [from, to] = [2 * part.space.offset[local], 2 * part.space.offset[local + 1]];
+                all[2 * self.space.offset[e]..2 * self.space.offset[e + 1]].copy_from_slice(&own[from..to]);
+            }
+        }
+        all
     }
 
     /// The answer to the loads on the body; `solve` solves the condensed contact problem. No times are measured.
@@ -231,7 +260,7 @@ impl Body {
         if let Some(outside) = &self.outside {
             outside.centre(&mut displacement, mesh, space, &self.free);
         }
-        let lift = contact.as_ref().and_then(|c| c.lift.as_ref()).map(|lift| lift.nodal(&space.points));
+        let lift = contact.as_ref().and_then(|c| c.lift.as_ref()).map(|lift| lift.nodal(&self.points));
         let unlifted = lift.as_ref().map(|_| displacement.clone());
         displacement.iter_mut().zip(lift.iter().flatten()).for_each(|(u, r)| *u += r);
 
@@ -252,7 +281,7 @@ impl Body {
             (_, Some(u)) => (self.fields(&given, &u, &forces, friction_work).homogeneous, u, total, 0.0),
             (_, None) => (homogeneous, displacement.clone(), total, 0.0),
         };
-        let (data, pull) = (OnMesh { scene, mesh, space }, self.springs.pull(space, mesh.len(), &estimated).extra);
+        let (data, pull) = (OnMesh { scene, mesh, space }, self.springs.pull(space, self.elements, &estimated).extra);
         let unresolved = data.unresolved_springs(&estimated)?;
         let particular = Particulars::new(&self.pieces, &given.particular);
         let of_corner = |e: usize, j: usize| data.traction_moment(&field, &particular, e, j);
@@ -271,7 +300,7 @@ impl Body {
             strain_of_bodies,
             ties: self.tie_rows(scene, &residual.values),
             around: self.outside.as_ref().and_then(|outside| outside.around(&data, &displacement, &given.loads.nodal)),
-            displacement,
+            displacement: displacement[..space.dofs()].to_vec(),
             field,
             particular,
             energies,
@@ -345,7 +374,7 @@ impl Body {
             load: &condensed.kept,
             expand: &|v| condensation.expand(&condensed, v),
             largest_diagonal: self.largest_diagonal,
-            driven: &|motion| work(&space.points, &given.load, motion),
+            driven: &|motion| work(&self.points, &given.load, motion),
             free: &self.free,
             judged: given.judged,
             liftable: given.liftable && given.stabilised.is_none(),
@@ -365,15 +394,31 @@ impl Body {
     fn fields(&self, given: &Loading, displacement: &[f64], forces: &[f64], friction_work: f64) -> Fields {
         let mut homogeneous = displacement.to_vec();
         for (body, p) in self.pieces.iter().zip(&given.particular) {
-            let displacement = p.iter().flat_map(|p| &p.displacement);
-            body.piece.own_mut(&mut homogeneous).iter_mut().zip(displacement).for_each(|(u, p)| *u -= p);
+            let Some(p) = p else { continue };
+            let part = &body.piece.part;
+            let own: Vec<f64> = part.own(displacement).iter().zip(&p.displacement).map(|(u, p)| u - p).collect();
+            part.set(&mut homogeneous, &own);
         }
         let field = self.field(&homogeneous);
-        let of_body = |(k, (Assembled { piece, .. }, p)): (usize, (&Assembled, &Option<Particular>))| {
-            let (u, forces) = (piece.own(displacement), piece.own(forces));
-            energies_of(u, forces, piece.own(&given.loads.nodal), p.as_ref(), field.of_body(k), piece)
+        let mut counted = vec![false; self.points.len()];
+        let mut of_body = |(k, (body, p)): (usize, (&Assembled, &Option<Particular>))| {
+            let part = &body.piece.part;
+            let u = part.own(displacement);
+            let forces = match self.cuts {
+                None => part.own(forces),
+                Some(_) => self.condensation.multiply_body(k, &u),
+            };
+            // a load on a node of several subdomains does work once
+            let mut loads = vec![0.0; u.len()];
+            for (local, &node) in part.nodes.iter().enumerate().filter(|(_, node)| **node < self.space.nodes()) {
+                if !std::mem::replace(&mut counted[node], true) {
+                    loads[2 * local..2 * local + 2].copy_from_slice(&given.loads.nodal[2 * node..2 * node + 2]);
+                }
+            }
+            energies_of(&u, &forces, &loads, p.as_ref(), field.of_piece(k), &body.piece)
         };
-        let of_bodies: Vec<Energies> = self.pieces.iter().zip(&given.particular).enumerate().map(of_body).collect();
+        let of_bodies: Vec<Energies> =
+            self.pieces.iter().zip(&given.particular).enumerate().map(&mut of_body).collect();
         let sum = |of: fn(&Energies) -> f64| of_bodies.iter().map(of).sum::<f64>();
         let springs = self.springs.energy(&self.space, displacement);
         let mut energies = Energies {

@@ -1,8 +1,10 @@
 //! Displacement and stress of a solved body, inside and on its boundary.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use steklov_bem_operators::{BoundaryField, Inside, Mesh, ParticularSolution, Trace};
+use steklov_bem_operators::{BoundaryField, Cuts, Inside, Mesh, ParticularSolution, Subdomain, Trace};
+use steklov_elastic::plane::{cross, dot, minus};
 
 use crate::data::body_load::Particulars;
 use crate::data::on_mesh::OnMesh;
@@ -10,36 +12,83 @@ use crate::data::on_mesh::OnMesh;
 /// The fields of all bodies of a mesh, without particular solutions.
 #[derive(Debug, Clone)]
 pub struct Field {
-    /// The elements of each body, and its field.
-    bodies: Vec<(Range<usize>, BoundaryField)>,
+    /// The fields of bodies, of one that is cut those of its subdomains.
+    pieces: Vec<BoundaryField>,
+    /// The piece of each element of the boundary, and its number there.
+    places: Vec<(usize, usize)>,
+    /// Where the only body is cut.
+    cuts: Option<OnCuts>,
 }
 
+/// The elements of cuts.
+#[derive(Debug, Clone)]
+struct OnCuts {
+    cuts: Arc<Cuts>,
+    /// Subdomain, number in it, and ends of each: every element has two sides.
+    elements: Vec<(usize, usize, [[f64; 2]; 2])>,
+}
+
+impl OnCuts {
+    /// The elements on which a point lies, and where: subdomain, number in it, reference coordinate.
+    fn at(&self, x: [f64; 2]) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        self.elements.iter().filter_map(move |&(piece, local, [a, b])| {
+            let (d, to) = (minus(b, a), minus(x, a));
+            let (along, across) = (dot(to, d) / dot(d, d), cross(d, to) / dot(d, d));
+            let inside = -ON_CUT < along && along < 1.0 + ON_CUT && across.abs() < ON_CUT;
+            inside.then(|| (piece, local, (2.0 * along - 1.0).clamp(-1.0, 1.0)))
+        })
+    }
+}
+
+/// Distance from an element of a cut, over its length, below which a point is on it.
+const ON_CUT: f64 = 1e-9;
+
 impl Field {
-    /// The field of bodies in the order of their elements.
-    pub(crate) fn new(bodies: Vec<(Range<usize>, BoundaryField)>) -> Self {
-        Self { bodies }
+    /// The fields of the bodies, or of the subdomains of one that is cut; the mesh has that many elements.
+    pub(crate) fn new(pieces: Vec<(&Subdomain, BoundaryField)>, cuts: Option<Arc<Cuts>>, elements: usize) -> Self {
+        let mut places = vec![(0, 0); elements];
+        for (k, (part, _)) in pieces.iter().enumerate() {
+            for (local, &e) in part.elements.iter().enumerate().filter(|(_, e)| **e < elements) {
+                places[e] = (k, local);
+            }
+        }
+        let of_piece = |(k, (part, _)): (usize, &(&Subdomain, BoundaryField))| {
+            let on_cuts = part.elements.iter().enumerate().filter(|(_, e)| **e >= elements);
+            on_cuts.map(|(local, _)| (k, local, part.mesh.ends(local))).collect::<Vec<_>>()
+        };
+        let of_cuts = |cuts| OnCuts { cuts, elements: pieces.iter().enumerate().flat_map(of_piece).collect() };
+        let cuts = cuts.map(of_cuts);
+        Self { pieces: pieces.into_iter().map(|(_, field)| field).collect(), places, cuts }
     }
 
     /// Values on the boundary at the reference coordinate t of element e.
     pub fn trace(&self, e: usize, t: f64) -> Trace {
-        let body = self.bodies.partition_point(|(elements, _)| elements.end <= e);
-        let (elements, field) = &self.bodies[body];
-        field.trace(e - elements.start, t)
+        let (piece, local) = self.places[e];
+        self.pieces[piece].trace(local, t)
     }
 
-    /// Values at a point inside a body.
-    pub fn inside(&self, body: usize, x: [f64; 2]) -> Inside {
-        self.bodies[body].1.inside(x)
+    /// Displacement and stress at a point inside a body; on cuts the mean of all sides.
+    pub fn inside(&self, body: usize, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        let sides: Vec<Trace> =
+            self.cuts.iter().flat_map(|cuts| cuts.at(x)).map(|(k, e, t)| self.pieces[k].trace(e, t)).collect();
+        if !sides.is_empty() {
+            let mean = |of: &dyn Fn(&Trace) -> f64| sides.iter().map(of).sum::<f64>() / sides.len() as f64;
+            return ([0, 1].map(|i| mean(&|s| s.displacement[i])), [0, 1, 2].map(|i| mean(&|s| s.stress[i])));
+        }
+        let piece = self.cuts.as_ref().map_or(body, |of| of.cuts.at(x));
+        let Inside { displacement, stress, .. } = self.pieces[piece].inside(x);
+        (displacement, stress)
     }
 
     /// The elements of a body.
     pub fn elements(&self, body: usize) -> Range<usize> {
-        self.bodies[body].0.clone()
+        let first = self.places.partition_point(|(k, _)| *k < body);
+        first..first + self.places[first..].partition_point(|(k, _)| *k == body)
     }
 
-    /// The field of a body; its elements are counted from 0.
-    pub fn of_body(&self, body: usize) -> &BoundaryField {
-        &self.bodies[body].1
+    /// The field of a body that is not cut, or of a subdomain; its elements are counted from 0.
+    pub fn of_piece(&self, piece: usize) -> &BoundaryField {
+        &self.pieces[piece]
     }
 }
 
@@ -57,8 +106,9 @@ pub struct ElasticField<'a> {
 impl ElasticField<'_> {
     /// Displacement and stress at a point inside a body.
     pub fn inside(&self, body: usize, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
-        let Inside { displacement: mut u, mut stress, .. } = self.field.inside(body, x);
-        if let Some(p) = self.particular.of(self.field.bodies[body].0.start) {
+        let (mut u, mut stress) = self.field.inside(body, x);
+        if let Some(p) = self.particular.of(self.field.elements(if self.field.cuts.is_some() { 0 } else { body }).start)
+        {
             let (v, sigma) = (p.displacement(x), p.stress(x));
             (0..2).for_each(|i| u[i] += v[i]);
             (0..3).for_each(|i| stress[i] += sigma[i]);

@@ -5,11 +5,9 @@
 //! although d·r, of the normals of both bodies, may be small instead of nothing. Loads must not drive it either; a couple
 //! holds it, as large as the work of pressures along d instead of n on it.
 
-use std::ops::Range;
-
 use faer::Mat;
 use steklov_algebra::{dot, symmetric_eigen};
-use steklov_bem_operators::Relative;
+use steklov_bem_operators::{Relative, Space};
 use steklov_elastic::RigidMotion;
 
 use crate::data::joints::{Joint, TiedNode};
@@ -70,29 +68,32 @@ impl OnMesh<'_> {
     /// [`SolveError::Bem`]: loads drive a motion.
     pub(crate) fn unresisted_motions(
         &self,
-        bodies: &[Assembled],
+        (bodies, points): (&[Assembled], &[[f64; 2]]),
         (joints, tied): (&[Joint], &[TiedNode]),
         (held, springs): (&[Held], &Springs),
         given: &mut Loading,
     ) -> Result<(Vec<RigidMotion>, Loose), SolveError> {
         let supports = Supports { space: self.space, held };
-        if bodies.len() > 1 {
+        if self.scene.problem.has_several_bodies() {
             let loose = self.loose_motions(bodies, joints, (&supports, springs), given, tied)?;
             if bodies.iter().any(|body| !body.turning.is_empty()) {
                 project_load_off(&mut given.load, &loose.motions);
             }
             for (body, rotation) in &loose.rotations {
-                project_load_off(bodies[*body].piece.own_mut(&mut given.load), std::slice::from_ref(rotation));
+                let part = &bodies[*body].piece.part;
+                let mut own = part.own(&given.load);
+                project_load_off(&mut own, std::slice::from_ref(rotation));
+                part.set(&mut given.load, &own);
             }
             return Ok((Vec::new(), loose));
         }
         let candidates = self.scene.unresisted(0, supports.free_motions(springs.resisted(|_| true)));
         let missed = missed(self.mesh, self.space, &candidates);
         let free = match rigid_load(self, given, bodies, missed)? {
-            None => unresisted(&self.space.points, &given.load, given.boundary.as_ref(), &candidates)?,
+            None => unresisted(points, &given.load, given.boundary.as_ref(), &candidates)?,
             Some((space, load)) => unresisted(&space.points, &load, given.boundary.as_ref(), &candidates)?,
         };
-        let motions: Vec<Vec<f64>> = free.iter().map(|motion| motion.nodal(&self.space.points)).collect();
+        let motions: Vec<Vec<f64>> = free.iter().map(|motion| motion.nodal(points)).collect();
         if missed > 0.0 {
             project_load_off(&mut given.load, &motions);
         }
@@ -125,33 +126,29 @@ impl OnMesh<'_> {
         }
         let resisted = free.len();
         free.extend(rotations.iter().map(|(_, parts)| parts.clone()));
-        let moved = |parts: &[f64], nodes: &[Range<usize>], points: &[[f64; 2]]| {
-            let mut nodal = vec![0.0; 2 * points.len()];
+        let moved = |parts: &[f64], space: &Space| {
+            let mut nodal = vec![0.0; space.dofs()];
             for (part, (body, motion)) in parts.iter().zip(&motions) {
-                let own = &nodes[*body];
-                let values = motion.nodal(&points[own.clone()]);
-                nodal[2 * own.start..2 * own.end].iter_mut().zip(values).for_each(|(a, b)| *a += part * b);
+                for node in bodies[*body].piece.part.elements.iter().flat_map(|&e| space.offset[e]..space.offset[e + 1])
+                {
+                    let moved = motion.at(space.points[node]);
+                    (0..2).for_each(|i| nodal[2 * node + i] += part * moved[i]);
+                }
             }
             nodal
         };
-        let nodes: Vec<Range<usize>> = bodies.iter().map(|body| body.piece.nodes.clone()).collect();
-        let mut nodal: Vec<Vec<f64>> = free.iter().map(|parts| moved(parts, &nodes, &self.space.points)).collect();
+        let mut nodal: Vec<Vec<f64>> = free.iter().map(|parts| moved(parts, self.space)).collect();
         let turns = |k: usize| free.iter().any(|parts| parts[k] != 0.0);
         let missed = (0..motions.len()).filter(|&k| turns(k)).map(|k| {
             let (body, motion) = &motions[k];
-            let piece = &bodies[*body].piece;
-            missed(&piece.mesh, &piece.space, std::slice::from_ref(motion))
+            let part = &bodies[*body].piece.part;
+            missed(&part.mesh, &part.space, std::slice::from_ref(motion))
         });
         let exact = rigid_load(self, given, bodies, missed.fold(0.0, f64::max))?;
         for (parts, nodal) in free.iter().zip(&nodal) {
             let (load, motion) = match &exact {
                 None => (&given.load, nodal.clone()),
-                Some((space, load)) => {
-                    let of = |body: &Assembled| {
-                        space.offset[body.piece.elements.start]..space.offset[body.piece.elements.end]
-                    };
-                    (load, moved(parts, &bodies.iter().map(of).collect::<Vec<_>>(), &space.points))
-                }
+                Some((space, load)) => (load, moved(parts, space)),
             };
             let (work, scale) = nodal_work(load, &motion);
             if work.abs() > DRIVEN * scale + rounding * largest_work(load, &motion) {
@@ -163,7 +160,7 @@ impl OnMesh<'_> {
         }
         let own = nodal.split_off(resisted);
         let of_body =
-            |((body, _), nodal): (&(usize, Vec<f64>), Vec<f64>)| (*body, bodies[*body].piece.own(&nodal).to_vec());
+            |((body, _), nodal): (&(usize, Vec<f64>), Vec<f64>)| (*body, bodies[*body].piece.part.own(&nodal));
         Ok(Loose { motions: nodal, rotations: rotations.iter().zip(own).map(of_body).collect() })
     }
 
@@ -171,9 +168,10 @@ impl OnMesh<'_> {
     fn motions_of(&self, bodies: &[Assembled]) -> Vec<Motion> {
         let mut motions = Vec::new();
         for (body, Assembled { piece, .. }) in bodies.iter().enumerate() {
-            let centre = piece.space.points.iter().fold([0.0; 2], |sum, x| [sum[0] + x[0], sum[1] + x[1]]);
-            let centre = centre.map(|sum| sum / piece.space.nodes() as f64);
-            let size = piece.mesh.diameter() / 2.0;
+            let space = &piece.part.space;
+            let centre = space.points.iter().fold([0.0; 2], |sum, x| [sum[0] + x[0], sum[1] + x[1]]);
+            let centre = centre.map(|sum| sum / space.nodes() as f64);
+            let size = piece.part.mesh.diameter() / 2.0;
             let [x, y] = [[1.0, 0.0], [0.0, 1.0]].map(RigidMotion::along);
             let all = vec![x, y, RigidMotion::about(centre, 1.0 / size)];
             motions.extend(self.scene.unresisted(body, all).into_iter().map(|motion| (body, motion)));
@@ -190,7 +188,7 @@ impl OnMesh<'_> {
         given: &Loading,
         tied: &[TiedNode],
     ) -> Constraints {
-        let body_of = |node: usize| bodies.iter().position(|b| b.piece.nodes.contains(&node)).unwrap_or(0);
+        let body_of = |node: usize| bodies.iter().position(|b| b.piece.part.nodes.contains(&node)).unwrap_or(0);
         // d·(r - r') at a point, r' of the body that it faces: of exact motions, which nodal values on curves are not
         let constraint = |node: usize, d: [f64; 2], row: Option<&Relative>| -> Vec<f64> {
             let own = body_of(node);
@@ -210,7 +208,7 @@ impl OnMesh<'_> {
                 let of_motion = |(of, motion): &Motion| if *of == body { dot(&d, &motion.at(x)) } else { 0.0 };
                 motions.iter().map(of_motion).collect()
             };
-            found.firm.extend(springs.resisted(|e| piece.elements.contains(&e)).into_iter().map(|(x, d)| of(x, d)));
+            found.firm.extend(springs.resisted(|e| piece.part.has(e)).into_iter().map(|(x, d)| of(x, d)));
         }
         let Some(boundary) = &given.boundary else { return found };
         let mut first = 0;
@@ -244,7 +242,7 @@ impl OnMesh<'_> {
         let mut found = Vec::new();
         for (body, Assembled { piece, .. }) in bodies.iter().enumerate() {
             let mut constraints = firm.to_vec();
-            let of_body: Vec<usize> = touching.iter().copied().filter(|e| piece.elements.contains(e)).collect();
+            let of_body: Vec<usize> = touching.iter().copied().filter(|&e| piece.part.has(e)).collect();
             if of_body.is_empty() {
                 continue;
             }

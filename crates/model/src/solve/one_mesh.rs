@@ -12,10 +12,11 @@ use steklov_problem::{Multiplier, Scene};
 use crate::data::body_load::Particular;
 use crate::data::joints::TiedNode;
 use crate::data::on_mesh::OnMesh;
-use crate::data::parts::{Assembled, Carried, pieces};
+use crate::data::parts::{Assembled, Carried, Piece, pieces};
 use crate::data::springs::Springs;
 use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
+use crate::mesh::layout::MeshedCuts;
 use crate::solve::assemble::operators;
 use crate::solve::body::{Body, Factors, Loading};
 use crate::solve::contact_solver::solve_problem;
@@ -29,15 +30,15 @@ use crate::stage::Stage;
 
 /// The particular solutions of body forces, or of the stress far from holes, and the forces S u_p.
 fn particular(scene: &Scene, bodies: &[Assembled], matrices: &[Mat<f64>]) -> Vec<Option<Particular>> {
-    let of = |(k, (body, matrix)): (usize, (&Assembled, &Mat<f64>))| {
+    let of = |(Assembled { piece, .. }, matrix): (&Assembled, &Mat<f64>)| {
         let product = |u: &[f64]| (matrix * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
-        Particular::of_body(scene, k, &body.piece, product)
+        Particular::of_body(scene, piece.body, piece, product)
     };
-    bodies.iter().zip(matrices).enumerate().map(of).collect()
+    bodies.iter().zip(matrices).map(of).collect()
 }
 
-fn nodal(motions: &[RigidMotion], space: &Space) -> Vec<Vec<f64>> {
-    motions.iter().map(|r| r.nodal(&space.points)).collect()
+fn nodal(motions: &[RigidMotion], points: &[[f64; 2]]) -> Vec<Vec<f64>> {
+    motions.iter().map(|r| r.nodal(points)).collect()
 }
 
 /// The kept and held unknowns of the nodes, ties behind supports, and the rows of nodes that face other bodies.
@@ -58,6 +59,7 @@ fn partition(
 /// S of every body, and the other results of its assembly.
 fn assemble(
     data: &OnMesh<'_>,
+    pieces: Vec<Piece>,
     estimated: bool,
     cache: &mut PairCache,
     seconds: &mut Seconds,
@@ -65,19 +67,18 @@ fn assemble(
 ) -> Result<(Vec<Mat<f64>>, Vec<Assembled>), SolveError> {
     let scene = data.scene;
     let (mut matrices, mut bodies) = (Vec::new(), Vec::new());
-    let pieces = pieces(&scene.problem, data.mesh, data.space);
     let share = 1.0 / pieces.len() as f64;
     for (k, piece) in pieces.into_iter().enumerate() {
         let clock = Instant::now();
         observe(Stage::Progress("assembling V, K, W", 0.05 + 0.7 * share * k as f64))?;
-        let operators = operators(&piece.mesh, &piece.space, &piece.material, estimated, cache)?;
+        let operators = operators(&piece.part.mesh, &piece.part.space, &piece.material, estimated, cache)?;
         let length = operators.length;
         seconds.assemble += clock.elapsed().as_secs_f64();
         observe(Stage::Operators(k, &operators))?;
 
         let clock = Instant::now();
         observe(Stage::Progress("Steklov-Poincaré matrix", 0.05 + 0.7 * share * (k as f64 + 0.35)))?;
-        let Steklov { matrix, traction: traction_map } = Steklov::new(operators, scene.domain(k))?;
+        let Steklov { matrix, traction: traction_map } = Steklov::new(operators, scene.domain(piece.body))?;
         matrices.push(matrix);
         let traction_map = Arc::new(traction_map);
         bodies.push(Assembled { piece, length, traction_map, modulus: 1.0, turning: Vec::new(), carried: None });
@@ -94,16 +95,18 @@ fn release_rotations(
     matrices: &mut [Mat<f64>],
 ) {
     let several = bodies.len() > 1;
-    for (k, (body, matrix)) in bodies.iter_mut().zip(matrices).enumerate() {
+    for (body, matrix) in bodies.iter_mut().zip(matrices) {
         let Assembled { piece, turning, .. } = body;
-        let of_piece = Supports { space: &piece.space, held: &held[piece.nodes.clone()] };
-        let resisted = springs.resisted(|e| piece.elements.contains(&e));
-        let candidates = data.scene.unresisted(k, of_piece.free_motions(resisted));
+        let part = &piece.part;
+        let held: Vec<Held> = part.nodes.iter().map(|&node| held[node]).collect();
+        let of_piece = Supports { space: &part.space, held: &held };
+        let resisted = springs.resisted(|e| part.has(e));
+        let candidates = data.scene.unresisted(piece.body, of_piece.free_motions(resisted));
         let is_medium = data.scene.problem.bodies[piece.body].far.is_some();
-        if several && is_medium || missed(&piece.mesh, &piece.space, &candidates) == 0.0 {
+        if several && is_medium || missed(&part.mesh, &part.space, &candidates) == 0.0 {
             continue;
         }
-        project_off(matrix, &nodal(&candidates, &piece.space));
+        project_off(matrix, &nodal(&candidates, &part.space.points));
         if several {
             *turning = candidates;
         }
@@ -125,7 +128,7 @@ fn stabilise(
         stiffness,
         load: &given.load,
         held,
-        rigid: &nodal(candidates, data.space),
+        rigid: &nodal(candidates, &data.space.points),
         free: &loose.motions,
         particular: given.particular[0].as_ref(),
     };
@@ -147,38 +150,40 @@ fn add_springs(
     let diagonals = matrices.iter().flat_map(|s| (0..s.nrows()).map(|i| s[(i, i)]));
     let largest = diagonals.fold(0.0, f64::max);
     for (Assembled { piece, carried, .. }, matrix) in bodies.iter_mut().zip(matrices) {
-        if springs.resisted(|e| piece.elements.contains(&e)).is_empty() {
+        let part = &piece.part;
+        if springs.resisted(|e| part.has(e)).is_empty() {
             continue;
         }
-        let mut motions = Supports { space: &piece.space, held: &held[piece.nodes.clone()] }.free_motions(Vec::new());
-        if missed(&piece.mesh, &piece.space, &motions) > 0.0 {
+        let held: Vec<Held> = part.nodes.iter().map(|&node| held[node]).collect();
+        let mut motions = Supports { space: &part.space, held: &held }.free_motions(Vec::new());
+        if missed(&part.mesh, &part.space, &motions) > 0.0 {
             // what nodes miss of rotations on curves is strain
             motions.retain(|motion| motion.rotation == 0.0);
         }
         if !motions.is_empty() {
-            project_off(matrix, &nodal(&motions, &piece.space));
+            project_off(matrix, &nodal(&motions, &part.space.points));
         }
         if !motions.is_empty() {
             let pull = |own: &[f64]| {
                 let mut all = vec![0.0; data.space.dofs()];
-                piece.own_mut(&mut all).copy_from_slice(own);
-                piece.own(&springs.pull(data.space, data.mesh.len(), &all).base).to_vec()
+                part.set(&mut all, own);
+                part.own(&springs.pull(data.space, data.mesh.len(), &all).base)
             };
-            *carried = Some(Carried::new(motions, &piece.space.points, largest, pull));
+            *carried = Some(Carried::new(motions, &part.space.points, largest, pull));
         }
-        springs.stiffen(matrix, piece, data.space);
+        springs.stiffen(matrix, piece);
     }
     Some(largest)
 }
 
-/// Solves the scene on a mesh; `estimated`: an estimate is to follow. Moments of pairs of elements are taken from `cache` where
+/// Solves the scene on a mesh, with cuts into subdomains or as it is; `estimated`: an estimate is to follow. Moments of pairs of elements are taken from `cache` where
 /// it has them.
 ///
 /// # Errors
 /// Data that are not finite, a free rigid motion that the loads drive, an observer that fails.
 pub fn solve(
     scene: &Scene,
-    mesh: Mesh,
+    (mesh, cuts): (Mesh, Option<&MeshedCuts>),
     estimated: bool,
     cache: &mut PairCache,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
@@ -188,7 +193,10 @@ pub fn solve(
     observe(Stage::Progress("loads and supports", 0.0))?;
     let space = Space::new(&mesh);
     let data = OnMesh { scene, mesh: &mesh, space: &space };
-    let held = data.held()?;
+    let (pieces, on_cuts) = pieces(&scene.problem, &mesh, &space, cuts);
+    let points: Vec<[f64; 2]> = space.points.iter().chain(&on_cuts.points).copied().collect();
+    let mut held = data.held()?;
+    held.resize(points.len(), Held::default());
     let loads = data.load()?;
     let joints = data.joints()?;
     let boundary = data.condensed_contact(&held, &joints)?;
@@ -196,7 +204,7 @@ pub fn solve(
     let springs = data.springs()?;
     seconds.set_up = clock.elapsed().as_secs_f64();
 
-    let (mut matrices, mut bodies) = assemble(&data, estimated, cache, &mut seconds, observe)?;
+    let (mut matrices, mut bodies) = assemble(&data, pieces, estimated, cache, &mut seconds, observe)?;
     let clock = Instant::now();
     let outside = Outside::new(&data, estimated, cache)?;
     if let Some(outside) = &outside {
@@ -217,14 +225,15 @@ pub fn solve(
 
     observe(Stage::Progress("condensation", 0.75))?;
     release_rotations(&data, &mut bodies, (&held, &springs), &mut matrices);
-    let (free, loose) = data.unresisted_motions(&bodies, (&joints, &tied), (&held, &springs), &mut given)?;
+    let (free, loose) = data.unresisted_motions((&bodies, &points), (&joints, &tied), (&held, &springs), &mut given)?;
     let (partition, rows) = partition(given.boundary.as_ref(), &supports, &tied);
     if given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised {
         let candidates = scene.unresisted(0, supports.free_motions(springs.resisted(|_| true)));
         let of_body = (&bodies[0], &matrices[0]);
         given.stabilised = Some(stabilise(&data, of_body, &given, &partition.held, &candidates, &loose, observe)?);
     }
-    let condensation = Assembly::new(matrices, &partition, &rows, &[], &loose.motions, &loose.rotations)
+    let nodes: Vec<Vec<usize>> = bodies.iter().map(|body| body.piece.part.nodes.clone()).collect();
+    let condensation = Assembly::new(matrices, &nodes, &partition, &rows, &loose.motions, &loose.rotations)
         .map_err(|error| without_digits(error, &scene.problem, &bodies))?;
     seconds.factorise += clock.elapsed().as_secs_f64();
 
@@ -233,8 +242,11 @@ pub fn solve(
     let stiffness = if given.boundary.is_some() { condensation.stiffness()? } else { Mat::new() };
     let largest_diagonal = largest_diagonal.unwrap_or_else(|| condensation.largest_diagonal());
     let mut body = Body {
+        elements: mesh.len() + on_cuts.part.len(),
         mesh,
         space,
+        points,
+        cuts: cuts.map(|cuts| cuts.cuts.clone()).filter(|cuts| cuts.count() > 1),
         pieces: bodies,
         condensation,
         outside,

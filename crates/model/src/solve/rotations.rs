@@ -54,11 +54,9 @@ pub(crate) fn rigid_load(
     let mut load = OnMesh { scene: data.scene, mesh: &mesh, space: &space }.load()?.nodal;
     for (body, particular) in bodies.iter().zip(&given.particular) {
         let Some(particular) = particular else { continue };
-        let part = mesh.part(body.piece.elements.clone());
-        // the rest of its load, S u_p, does no work on motions
-        let traction = particular.solution.traction_load(&part, &Space::new(&part));
-        let own = &mut load[2 * space.offset[body.piece.elements.start]..];
-        own.iter_mut().zip(traction).for_each(|(f, t)| *f -= t);
+        // the rest of its load, S u_p, does no work on motions; nor do tractions on cuts, which are balanced
+        let traction = particular.solution.traction_load_of(&mesh, &space, |e, _| body.piece.part.has(e));
+        load.iter_mut().zip(traction).for_each(|(f, t)| *f -= t);
     }
     Ok(Some((space, load)))
 }

@@ -17,7 +17,7 @@ const ALL: f64 = 16.0;
 pub(crate) fn without_digits(error: BemError, problem: &Problem, bodies: &[Assembled]) -> SolveError {
     let BemError::StiffnessSingular { .. } = error else { return error.into() };
     let bounded = bodies.iter().filter(|body| problem.bodies[body.piece.body].far.is_none());
-    let slender = bounded.map(|body| (usual_thickness(&body.piece.mesh), body.piece.mesh.diameter()));
+    let slender = bounded.map(|body| (usual_thickness(&body.piece.part.mesh), body.piece.part.mesh.diameter()));
     let Some((thickness, length)) = slender.min_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1))) else {
         return error.into();
     };

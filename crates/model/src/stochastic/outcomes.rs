@@ -135,11 +135,11 @@ impl<'a> Outcomes<'a> {
         let particular = pieces.iter().map(|Assembled { piece, .. }| {
             let product = |u: &[f64]| {
                 let mut all = vec![0.0; space.dofs()];
-                piece.own_mut(&mut all).copy_from_slice(u);
+                piece.part.set(&mut all, u);
                 let (forces, couples) = (condensation.multiply(&all), condensation.spring_forces(&all));
                 let forces = forces.iter().zip(couples).zip(springs.pull(space, mesh.len(), &all).base);
                 let of_bodies: Vec<f64> = forces.map(|((f, couple), pull)| f - couple - pull).collect();
-                piece.own(&of_bodies).to_vec()
+                piece.part.own(&of_bodies)
             };
             Particular::of_body(&scene, piece.body, piece, product)
         });
@@ -149,7 +149,8 @@ impl<'a> Outcomes<'a> {
         values.extend(tied.iter().map(|tied| tied.jump));
         let mut loading = Loading::new(loads, particular, boundary, values, pieces);
         loading.judged = false;
-        let (_, loose) = data.unresisted_motions(pieces, (joints, &tied), (&held, springs), &mut loading)?;
+        let (_, loose) =
+            data.unresisted_motions((pieces, &space.points), (joints, &tied), (&held, springs), &mut loading)?;
         let (here, nominal) = (loose.count(), self.body.loose.count());
         if here != nominal {
             let what = format!("{here} motions that nothing resists, for the mean input {nominal}: hold the body");
@@ -228,7 +229,8 @@ impl<'a> Outcomes<'a> {
         let mut stressed = solved.displacement.clone();
         for Assembled { piece, .. } in &self.body.pieces {
             let modulus = self.modulus(scene, piece.body);
-            piece.own_mut(&mut stressed).iter_mut().for_each(|u| *u *= modulus);
+            let own: Vec<f64> = piece.part.own(&stressed).iter().map(|u| u * modulus).collect();
+            piece.part.set(&mut stressed, &own);
         }
         Answer {
             modulus: self.modulus(scene, self.random.constants.first_young()),

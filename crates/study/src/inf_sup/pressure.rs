@@ -100,7 +100,10 @@ pub fn pressures(scene: &Scene, watch: &mut Watch<'_>) -> Result<Pressures, Solv
         if let Some(first) = all.solutions.first() {
             scene.method.gamma = Some(NONE * first.critical);
         }
-        match (solve(&scene, mesh.clone(), false, &mut PairCache::default(), &mut |_| Ok(())), all.solutions.first()) {
+        match (
+            solve(&scene, (mesh.clone(), None), false, &mut PairCache::default(), &mut |_| Ok(())),
+            all.solutions.first(),
+        ) {
             (Ok((solved, ..)), _) => {
                 let Some(contact) = &solved.contact else { continue };
                 let Some(s) = &contact.stabilised else { continue };

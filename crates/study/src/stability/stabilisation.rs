@@ -210,7 +210,7 @@ fn errors(scene: &Scene, critical: &[Critical], reference: &Reference, watch: &m
             watch.tell(STABILISATION, &format!("{elements} elements of degree {degree}, {ratio} of the critical γ₀"));
             let gamma = ratio * known.gamma;
             scene.method.gamma = Some(gamma);
-            let solved = solve(&scene, mesh.clone(), false, &mut PairCache::default(), &mut |_| Ok(()));
+            let solved = solve(&scene, (mesh.clone(), None), false, &mut PairCache::default(), &mut |_| Ok(()));
             let measured = solved.and_then(|(solved, ..)| {
                 let truth = true_error(&for_truth(&scene), &mesh, &solved.displacement, &fine.subdivision)?;
                 let converged = truth.converged && solved.contact.as_ref().is_some_and(|c| c.reported().converged());

@@ -1,0 +1,126 @@
+//! Bodies cut into subdomains, with cuts that are given.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+
+use steklov_bem_operators::{Cuts, Loop, Mark, Piece, Polygon, Subdivision};
+use steklov_elastic::plane::distance;
+use steklov_elastic::{Material, Plane};
+use steklov_expression::Expression;
+use steklov_model::estimate::error_estimate::Estimate;
+use steklov_model::mesh::layout::{Layout, MeshedCuts};
+use steklov_model::run::adaptive_loop::{Progress, Run, run};
+use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::solve::solution::Solved;
+use steklov_problem::{Condition, Refine, Scene};
+
+/// Arcs of a circular hole that begin at 45 degrees.
+fn hole([x, y]: [f64; 2], radius: f64) -> Loop {
+    let off = radius * std::f64::consts::FRAC_1_SQRT_2;
+    let corners = [[off, off], [-off, off], [-off, -off], [off, -off]].map(|[dx, dy]| [x + dx, y + dy]);
+    Loop { corners: corners.to_vec(), ..Loop::circle([x, y], radius, 4, "hole") }
+}
+
+/// A plate of cells with circular holes under tension along x, nothing held.
+fn plate([nx, ny]: [usize; 2], holes: Vec<Loop>) -> Scene {
+    let [x, y] = [nx as f64, ny as f64];
+    let corners = vec![[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]];
+    let outer = Loop::straight(corners, ["bottom", "right", "top", "left"].map(str::to_owned).to_vec());
+    let polygon = Polygon::new(outer, holes).expect("a plate");
+    let mut scene = Scene::new(polygon, Material::new(1.0, 0.3, Plane::Strain).expect("a material"));
+    for (side, pull) in [("right", 1.0), ("left", -1.0)] {
+        let traction = [pull, 0.0].map(Expression::number);
+        scene.problem.side_mut(side).expect("a side").condition = Condition::Traction(traction);
+    }
+    scene
+}
+
+fn in_cells([nx, ny]: [usize; 2]) -> Scene {
+    plate([nx, ny], (0..nx * ny).map(|k| hole([(k % nx) as f64 + 0.5, (k / nx) as f64 + 0.5], 0.3)).collect())
+}
+
+/// Lines through the plate along all cells.
+fn cells([nx, ny]: [usize; 2]) -> Vec<[[f64; 2]; 2]> {
+    let x = (1..nx).map(|k| [[k as f64, -1.0], [k as f64, ny as f64 + 1.0]]);
+    let y = (1..ny).map(|k| [[-1.0, k as f64], [nx as f64 + 1.0, k as f64]]);
+    x.chain(y).collect()
+}
+
+fn equal(length: f64, longest: f64, degree: usize) -> Vec<Piece> {
+    let n = (length / longest - 1e-9).ceil().max(1.0) as usize;
+    let at = |k: usize| k as f64 / n as f64;
+    (0..n).map(|k| Piece { start: at(k), end: at(k + 1), degree, mark: Mark::Keep }).collect()
+}
+
+/// Solves a scene along lines, elements of degrees `[boundary, cuts]` and no longer than half.
+fn solved(scene: &Scene, lines: &[[[f64; 2]; 2]], [degree, of_cuts]: [usize; 2]) -> (Solved, Estimate) {
+    let outline = &scene.problem.outline;
+    let cuts = Cuts::new(outline, lines).expect("subdomains");
+    let mut edges: Vec<Vec<Piece>> = Vec::new();
+    for (k, edge) in outline.edges().iter().enumerate() {
+        let own = cuts.ends().into_iter().filter(|end| end.0 == k).map(|end| end.1);
+        let vertices: Vec<f64> = [0.0].into_iter().chain(own).chain([1.0]).collect();
+        let of_part = |part: &[f64]| {
+            let along = |s: f64| part[0] + (part[1] - part[0]) * s;
+            let pieces = equal(edge.length() * (part[1] - part[0]), 0.5, degree).into_iter();
+            pieces.map(|p| Piece { start: along(p.start), end: along(p.end), ..p }).collect::<Vec<Piece>>()
+        };
+        edges.push(vertices.windows(2).flat_map(of_part).collect());
+    }
+    let elements = cuts.parts().iter().map(|[a, b]| equal(distance(*a, *b), 0.5, of_cuts)).collect();
+    let cuts = MeshedCuts { cuts: Arc::new(cuts), elements };
+    let mut once = scene.clone();
+    once.method.refine = Refine::None;
+    let next = Layout { subdivision: Subdivision { edges }, tips: Vec::new(), cuts: Some(cuts) };
+    let progress = Progress { steps: Vec::new(), next };
+    let run: Run<BoundaryElements> =
+        run(&once, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).expect("a solution");
+    let estimate = run.step().estimate().clone();
+    (run.last, estimate)
+}
+
+fn close(a: f64, b: f64, to: f64) {
+    assert!((a / b - 1.0).abs() < to, "{a} {b}");
+}
+
+/// Six circles in cells: J, the energy of the correction and that of the indicators of another code of superelements, which
+/// solves the enriched problem without iterations; J of the enriched spaces.
+#[test]
+fn estimate_of_six_circles_in_cells() {
+    let (solved, estimate) = solved(&in_cells([3, 2]), &cells([3, 2]), [6, 6]);
+    close(solved.energies.total, -6.237606344925924, 1e-12);
+    close(estimate.correction, 0.003630290236295276f64.powi(2), 2e-4);
+    let all = estimate.indicators.iter().chain(&estimate.of_cuts);
+    close(all.map(|bubble| bubble.total()).sum::<f64>(), 0.004214218126608538f64.powi(2), 1e-6);
+    close(estimate.energy, -6.237611418118328, 1e-8);
+    assert_eq!(estimate.of_cuts.len(), 14);
+}
+
+/// Nine circles by degrees of the cuts along 2 and 4 lines, J of another code; uncut J is -9.100240524708465.
+#[test]
+fn degrees_of_cuts() {
+    let scene = in_cells([3, 3]);
+    let x = |x: f64| [[x, -1.0], [x, 4.0]];
+    let y = |y: f64| [[-1.0, y], [4.0, y]];
+    for (lines, degree, exact) in
+        [(vec![x(1.0), y(1.0)], 4, -9.100251410987507), (vec![x(1.0), y(1.0), x(2.0), y(2.0)], 8, -9.100240524971433)]
+    {
+        let (solved, _) = solved(&scene, &lines, [12, degree]);
+        close(solved.energies.total, exact, 1e-10);
+    }
+}
+
+/// Stresses inside of subdomains, on cuts and at cross points are those of the body without cuts; the largest difference is that of
+/// tractions at the ends of elements.
+#[test]
+fn fields_across_cuts() {
+    let scene = in_cells([3, 2]);
+    let (cut, _) = solved(&scene, &cells([3, 2]), [12, 12]);
+    let (whole, _) = solved(&scene, &[], [12, 12]);
+    let strain = |s: &Solved, x: [f64; 2]| s.probe(&scene, x).stress;
+    for x in [[1.0, 1.0], [2.0, 0.3], [1.0, 1.7], [0.5, 1.0], [1.02, 0.97], [2.5, 0.1], [0.95, 0.5]] {
+        let (a, b) = (strain(&cut, x), strain(&whole, x));
+        assert!((0..3).all(|i| (a[i] - b[i]).abs() < 4e-5), "{x:?}: {a:?} {b:?}");
+    }
+    close(cut.energies.total, whole.energies.total, 1e-10);
+}
