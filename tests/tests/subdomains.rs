@@ -7,12 +7,13 @@ use steklov_bem_operators::{Cuts, Loop, Mark, Piece, Polygon, Subdivision};
 use steklov_elastic::plane::distance;
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
+use steklov_model::error::SolveError;
 use steklov_model::estimate::error_estimate::Estimate;
 use steklov_model::mesh::layout::{Layout, MeshedCuts};
 use steklov_model::run::adaptive_loop::{Progress, Run, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::solution::Solved;
-use steklov_problem::{Condition, Refine, Scene};
+use steklov_problem::{Condition, Contact, Friction, Refine, Scene, Springs};
 
 /// Arcs of a circular hole that begin at 45 degrees.
 fn hole([x, y]: [f64; 2], radius: f64) -> Loop {
@@ -52,8 +53,17 @@ fn equal(length: f64, longest: f64, degree: usize) -> Vec<Piece> {
     (0..n).map(|k| Piece { start: at(k), end: at(k + 1), degree, mark: Mark::Keep }).collect()
 }
 
-/// Solves a scene along lines, elements of degrees `[boundary, cuts]` and no longer than half.
-fn solved(scene: &Scene, lines: &[[[f64; 2]; 2]], [degree, of_cuts]: [usize; 2]) -> (Solved, Estimate) {
+/// Solves a scene along lines with elements of degrees `[boundary, cuts]`, no longer than half.
+fn solved(scene: &Scene, lines: &[[[f64; 2]; 2]], degrees: [usize; 2]) -> (Solved, Estimate) {
+    solved_with(scene, lines, degrees, 0.5)
+}
+
+fn solved_with(
+    scene: &Scene,
+    lines: &[[[f64; 2]; 2]],
+    [degree, of_cuts]: [usize; 2],
+    longest: f64,
+) -> (Solved, Estimate) {
     let outline = &scene.problem.outline;
     let cuts = Cuts::new(outline, lines).expect("subdomains");
     let mut edges: Vec<Vec<Piece>> = Vec::new();
@@ -62,21 +72,23 @@ fn solved(scene: &Scene, lines: &[[[f64; 2]; 2]], [degree, of_cuts]: [usize; 2])
         let vertices: Vec<f64> = [0.0].into_iter().chain(own).chain([1.0]).collect();
         let of_part = |part: &[f64]| {
             let along = |s: f64| part[0] + (part[1] - part[0]) * s;
-            let pieces = equal(edge.length() * (part[1] - part[0]), 0.5, degree).into_iter();
+            let pieces = equal(edge.length() * (part[1] - part[0]), longest, degree).into_iter();
             pieces.map(|p| Piece { start: along(p.start), end: along(p.end), ..p }).collect::<Vec<Piece>>()
         };
         edges.push(vertices.windows(2).flat_map(of_part).collect());
     }
-    let elements = cuts.parts().iter().map(|[a, b]| equal(distance(*a, *b), 0.5, of_cuts)).collect();
+    let elements = cuts.parts().iter().map(|[a, b]| equal(distance(*a, *b), longest, of_cuts)).collect();
     let cuts = MeshedCuts { cuts: Arc::new(cuts), elements };
     let mut once = scene.clone();
     once.method.refine = Refine::None;
     let next = Layout { subdivision: Subdivision { edges }, tips: Vec::new(), cuts: Some(cuts) };
-    let progress = Progress { steps: Vec::new(), next };
-    let run: Run<BoundaryElements> =
-        run(&once, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).expect("a solution");
+    let run = attempt(&once, next).expect("a solution");
     let estimate = run.step().estimate().clone();
     (run.last, estimate)
+}
+
+fn attempt(scene: &Scene, next: Layout) -> Result<Run<BoundaryElements>, SolveError> {
+    run(scene, Progress { steps: Vec::new(), next }, &AtomicUsize::new(0), &mut |_, _| Ok(()))
 }
 
 fn close(a: f64, b: f64, to: f64) {
@@ -123,4 +135,87 @@ fn fields_across_cuts() {
         assert!((0..3).all(|i| (a[i] - b[i]).abs() < 4e-5), "{x:?}: {a:?} {b:?}");
     }
     close(cut.energies.total, whole.energies.total, 1e-10);
+}
+
+/// Pure bending of a long body, whose displacement is quadratic: the largest error of u_x over the largest displacement, J over
+/// its exact value less 1, and the residual. The traction -12 y/H³ makes
+/// u_x = -k x y, k = 12 (1-ν²)/H³, and J = -k L/2.
+fn bent([length, height]: [f64; 2], subdomains: usize, longest: f64) -> [f64; 3] {
+    let h = height / 2.0;
+    let corners = vec![[0.0, -h], [length, -h], [length, h], [0.0, h]];
+    let sides = ["bottom", "right", "top", "left"].map(str::to_owned).to_vec();
+    let polygon = Polygon::new(Loop::straight(corners, sides), Vec::new()).expect("a beam");
+    let mut scene = Scene::new(polygon, Material::new(1.0, 0.3, Plane::Strain).expect("a material"));
+    let traction = [format!("{:e} * y", -12.0 / height.powi(3)), "0".to_owned()];
+    let traction = traction.map(|text| Expression::parse(&text, &Default::default()).expect("an expression"));
+    scene.problem.side_mut("right").expect("a side").condition = Condition::Traction(traction);
+    let held = Condition::Displacement { values: [Some(Expression::number(0.0)), None], traction: None };
+    scene.problem.side_mut("left").expect("a side").condition = held;
+    let lines: Vec<[[f64; 2]; 2]> =
+        (1..subdomains).map(|k| length * k as f64 / subdomains as f64).map(|x| [[x, -height], [x, height]]).collect();
+    let (solved, _) = solved_with(&scene, &lines, [2, 2], longest);
+    let k = 12.0 / height.powi(3) * (1.0 - 0.09);
+    let points = solved.space.points.iter().enumerate();
+    let error = points.fold(0.0f64, |m, (node, [x, y])| m.max((solved.displacement[2 * node] + k * x * y).abs()));
+    let exact = -0.5 * 12.0 / height.powi(3) * (1.0 - 0.09) * length;
+    [error / (k * length * length / 2.0), solved.energies.total / exact - 1.0, solved.equilibrium]
+}
+
+/// Beams of 100 and of 1000 times their thickness: refinement gains the digits that the condition takes, 1e-8 and 6e-5 without.
+#[test]
+fn digits_of_long_bodies() {
+    for (size, subdomains, longest) in [([100.0, 1.0], 20, 1.0), ([1.0, 1e-3], 50, 4e-3)] {
+        let [error, energy, equilibrium] = bent(size, subdomains, longest);
+        assert!(error < 1e-11, "{size:?}: {error}");
+        assert!(energy.abs() < 1e-11, "{size:?}: {energy}");
+        assert!(equilibrium < 1e-9, "{size:?}: {equilibrium}");
+    }
+}
+
+/// A block on a curved obstacle, with and without friction, cut through its zone of contact and beside it: J of the same elements
+/// without a cut, the total force, and the largest pressure.
+#[test]
+fn contact_across_cuts() {
+    let number = Expression::number;
+    for friction in [Friction::None, Friction::Coulomb(number(0.3))] {
+        let mut scene = plate([2, 1], Vec::new());
+        for (side, pull) in [("left", 0.0), ("right", 0.0)] {
+            scene.problem.side_mut(side).expect("a side").condition =
+                Condition::Traction([pull, 0.0].map(Expression::number));
+        }
+        let held = Condition::Displacement { values: [number(0.0), number(-0.02)].map(Some), traction: None };
+        scene.problem.side_mut("top").expect("a side").condition = held;
+        let gap = Expression::parse("0.05 * (x - 0.9)^2", &Default::default()).expect("a gap");
+        let bottom = scene.problem.side("bottom").expect("a side");
+        scene.problem.touch(bottom, Contact { gap, friction });
+        let (whole, _) = solved_with(&scene, &[], [10, 10], 0.25);
+        let force = |s: &Solved| s.contact.as_ref().expect("contact").force(bottom);
+        for (x, to) in [(1.0, 1e-5), (1.75, 1e-6)] {
+            let (cut, estimate) = solved_with(&scene, &[[[x, -1.0], [x, 2.0]]], [10, 10], 0.25);
+            close(cut.energies.total, whole.energies.total, to);
+            close(force(&cut)[1], force(&whole)[1], to);
+            assert!(cut.contact.as_ref().expect("contact").converged() && estimate.relative < 0.1);
+        }
+    }
+}
+
+/// What cannot be cut is refused by name.
+#[test]
+fn cuts_that_are_refused() {
+    let scene = in_cells([2, 1]);
+    let cuts = Cuts::new(&scene.problem.outline, &cells([2, 1])).expect("subdomains");
+    let elements = cuts.parts().iter().map(|[a, b]| equal(distance(*a, *b), 0.5, 3)).collect();
+    let mut next = Layout::first(&scene);
+    for (edge, s) in cuts.ends() {
+        next.subdivision.insert(edge, s, &[], 0.0);
+    }
+    next.cuts = Some(MeshedCuts { cuts: Arc::new(cuts), elements });
+    let refused = |scene: &Scene| attempt(scene, next.clone()).err().expect("no solution").to_string();
+    assert!(refused(&scene).contains("2 subdomains cannot have refinement"), "{}", refused(&scene));
+    let mut once = scene.clone();
+    once.method.refine = Refine::None;
+    let mut springs = once.clone();
+    springs.problem.side_mut("top").expect("a side").springs = Some(Springs::both(Expression::number(1.0)));
+    assert!(refused(&springs).contains("cannot have springs"), "{}", refused(&springs));
+    assert!(attempt(&once, next).is_ok());
 }

@@ -165,7 +165,9 @@ pub fn estimate(
         indicators[e].oscillation += energy;
     }
     let overlaps = hidden_overlaps(&data, (solved, &body.joints), scale, &closed, &mut indicators);
-    let residuals = if has_residuals(scene) { data.all_residuals(solved)? } else { Vec::new() };
+    // residuals do not cover subdomains
+    let whole = !solved.field.is_cut();
+    let residuals = if whole && has_residuals(scene) { data.all_residuals(solved)? } else { Vec::new() };
 
     let (gained, squared, correction) = correction(body, &elastic, factors, (&frames, &of_springs), &residual)?;
 

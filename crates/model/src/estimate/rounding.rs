@@ -17,8 +17,8 @@ impl Estimate {
     pub(crate) fn settle_exact(&mut self, scene: &Scene, solved: &Solved) -> Result<(), SolveError> {
         let unbalanced = solved.contact.as_ref().is_some_and(|c| c.audit.equilibrium > UNBALANCED);
         let judged = self.relative < ROUNDOFF;
-        // residuals do not cover a medium around a body, nor other bodies
-        let alone = solved.around.is_none() && !scene.problem.has_several_bodies();
+        // residuals do not cover a medium around a body, nor other bodies or subdomains
+        let alone = solved.around.is_none() && !scene.problem.has_several_bodies() && !solved.field.is_cut();
         if !judged || unbalanced || !alone || self.doubts.contains(&Doubt::Data) {
             return Ok(());
         }

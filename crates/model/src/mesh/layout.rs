@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use steklov_bem_operators::{Cuts, Piece, Subdivision};
 use steklov_contact::Tip;
-use steklov_problem::Problem;
+use steklov_problem::{DataError, DataErrorKind, Indicator, Multiplier, Problem, Refine, Scene};
 
 /// A mesh to be solved: its elements, and the vertices that follow transitions of contact and stick.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +24,32 @@ pub struct MeshedCuts {
     pub cuts: Arc<Cuts>,
     /// The elements of [`Cuts::parts`].
     pub elements: Vec<Vec<Piece>>,
+}
+
+impl MeshedCuts {
+    /// Whether a scene can be solved along these cuts.
+    ///
+    /// # Errors
+    /// Several bodies, a medium, springs, random input, stabilised multipliers, residuals that steer, or refinement, which does not
+    /// refine cuts.
+    pub(crate) fn check(&self, scene: &Scene) -> Result<(), DataError> {
+        let (problem, method) = (&scene.problem, &scene.method);
+        let found = [
+            (problem.bodies.len() > 1 || problem.bodies[0].far.is_some(), "body", "several bodies or a medium"),
+            (problem.has_springs(), "sides", "springs"),
+            (scene.random.is_some(), "random", "random input"),
+            (method.multiplier != Multiplier::Biorthogonal, "method", "stabilised multipliers"),
+            (method.indicator != Indicator::Bubble, "method", "a residual indicator"),
+            (method.refine != Refine::None, "method", "refinement of the mesh"),
+        ];
+        match found.into_iter().find(|(is, ..)| *is) {
+            None => Ok(()),
+            Some((_, key, what)) => {
+                let message = format!("a body that is cut into {} subdomains cannot have {what}", self.cuts.count());
+                Err(DataError::at(DataErrorKind::Unsupported, &[vec![key]], message, "solve it without cuts"))
+            }
+        }
+    }
 }
 
 /// Vertices of both sides of a cut that are closer than this (edge parameter) are one.

@@ -61,6 +61,11 @@ impl Field {
         Self { pieces: pieces.into_iter().map(|(_, field)| field).collect(), places, cuts }
     }
 
+    /// Whether the body is cut into subdomains.
+    pub fn is_cut(&self) -> bool {
+        self.cuts.is_some()
+    }
+
     /// Values on the boundary at the reference coordinate t of element e.
     pub fn trace(&self, e: usize, t: f64) -> Trace {
         let (piece, local) = self.places[e];

@@ -6,7 +6,7 @@ use std::time::Instant;
 use faer::{Col, Mat};
 use steklov_bem_operators::{Assembly, Mesh, PairCache, Partition, Relative, Space, Steklov};
 use steklov_contact::ContactBoundary;
-use steklov_elastic::RigidMotion;
+use steklov_elastic::{RigidMotion, free_motions};
 use steklov_problem::{Multiplier, Scene};
 
 use crate::data::body_load::Particular;
@@ -95,13 +95,18 @@ fn release_rotations(
     matrices: &mut [Mat<f64>],
 ) {
     let several = bodies.len() > 1;
+    let is_cut = several && !data.scene.problem.has_several_bodies();
     for (body, matrix) in bodies.iter_mut().zip(matrices) {
         let Assembled { piece, turning, .. } = body;
         let part = &piece.part;
         let held: Vec<Held> = part.nodes.iter().map(|&node| held[node]).collect();
         let of_piece = Supports { space: &part.space, held: &held };
         let resisted = springs.resisted(|e| part.has(e));
-        let candidates = data.scene.unresisted(piece.body, of_piece.free_motions(resisted));
+        let candidates = match is_cut {
+            // of a subdomain all motions, whatever holds the body
+            true => free_motions(&part.space.points, &[]),
+            false => data.scene.unresisted(piece.body, of_piece.free_motions(resisted)),
+        };
         let is_medium = data.scene.problem.bodies[piece.body].far.is_some();
         if several && is_medium || missed(&part.mesh, &part.space, &candidates) == 0.0 {
             continue;
@@ -190,6 +195,7 @@ pub fn solve(
 ) -> Result<(Solved, Body, Factors), SolveError> {
     let clock = Instant::now();
     let mut seconds = Seconds::default();
+    cuts.map_or(Ok(()), |cuts| cuts.check(scene)).map_err(Box::new)?;
     observe(Stage::Progress("loads and supports", 0.0))?;
     let space = Space::new(&mesh);
     let data = OnMesh { scene, mesh: &mesh, space: &space };

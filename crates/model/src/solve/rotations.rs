@@ -95,6 +95,14 @@ pub(crate) fn project_load_off(load: &mut [f64], motions: &[Vec<f64>]) {
     }
 }
 
+/// Both translations and the rotation of points about their mean, nodal vectors.
+pub(crate) fn rigid_motions(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
+    let sum = points.iter().fold([0.0; 2], |sum, x| [sum[0] + x[0], sum[1] + x[1]]);
+    let centre = sum.map(|sum| sum / points.len() as f64);
+    let [x, y] = [[1.0, 0.0], [0.0, 1.0]].map(RigidMotion::along);
+    [x, y, RigidMotion::about(centre, 1.0)].map(|motion| motion.nodal(points)).to_vec()
+}
+
 fn orthonormal(motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for motion in motions {
