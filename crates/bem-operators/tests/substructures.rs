@@ -3,8 +3,8 @@
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::{
-    Assembly, Cuts, Domain, Loop, Mark, Mesh, Operators, Partition, Piece, Polygon, Space, Steklov, Subdivision,
-    Subdomain,
+    Assembly, CutPlan, CutRules, Cuts, Domain, Loop, Mark, Mesh, Operators, Partition, Piece, Polygon, Space, Steklov,
+    Subdivision, Subdomain, continued_radius,
 };
 use steklov_elastic::plane::distance;
 use steklov_elastic::{Material, Plane, RigidMotion};
@@ -82,6 +82,16 @@ struct CutBody {
 
 impl CutBody {
     fn new(polygon: &Polygon, lines: &[Line], longest: f64, degree: usize) -> Self {
+        Self::with(polygon, lines, longest, degree, |ends| equal(distance(ends[0], ends[1]), longest, degree))
+    }
+
+    fn with(
+        polygon: &Polygon,
+        lines: &[Line],
+        longest: f64,
+        degree: usize,
+        on_cut: impl Fn([[f64; 2]; 2]) -> Vec<Piece>,
+    ) -> Self {
         let cuts = Cuts::new(polygon, lines).expect("subdomains");
         let mut subdivision = Subdivision { edges: vec![Vec::new(); polygon.edges().len()] };
         let ends = cuts.ends();
@@ -96,8 +106,7 @@ impl CutBody {
             }
         }
         let mesh = subdivision.mesh(polygon).expect("a mesh");
-        let elements: Vec<Vec<Piece>> =
-            cuts.parts().iter().map(|[a, b]| equal(distance(*a, *b), longest, degree)).collect();
+        let elements: Vec<Vec<Piece>> = cuts.parts().into_iter().map(on_cut).collect();
         let space = Space::new(&mesh);
         let (subdomains, of_cuts) = cuts.subdomains(&mesh, &space, &elements);
         let points = space.points.iter().chain(&of_cuts.points).copied().collect();
@@ -263,4 +272,120 @@ fn cuts_on_held_sides() {
     let sum: f64 = (0..rest.len()).filter(|k| k % 2 == 1).map(|k| rest[k]).sum();
     let applied: f64 = load.iter().sum();
     assert!((sum + applied).abs() < 1e-11 * applied, "{sum} {applied}");
+}
+
+/// Elements of a part of a cut by the rules of a plan.
+fn by_rules(rules: &CutRules<'_>, ends: [[f64; 2]; 2], degree: usize) -> Vec<Piece> {
+    let breaks: Vec<f64> = [0.0].into_iter().chain(rules.breaks(ends)).chain([1.0]).collect();
+    breaks.windows(2).map(|s| Piece { start: s[0], end: s[1], degree, mark: Mark::Keep }).collect()
+}
+
+/// A plan for a plate with holes: circles by centre and radius, and polygons.
+fn planned(
+    polygon: &Polygon,
+    circles: &[([f64; 2], f64)],
+    corners: &[[f64; 2]],
+    check: impl Fn(&CutRules<'_>, &CutPlan),
+) -> CutPlan {
+    let [low, high] = [f64::min, f64::max].map(|of| {
+        let start = if of(0.0, 1.0) == 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+        [0, 1].map(|i| polygon.edges()[polygon.loops()[0].clone()].iter().map(|e| e.start[i]).fold(start, of))
+    });
+    let gap = |&(c, r): &([f64; 2], f64)| {
+        let others = circles.iter().filter(|other| other.0 != c).map(|(d, s)| distance(c, *d) - r - s);
+        let to_edges = (0..2).flat_map(|i| [c[i] - r - low[i], high[i] - c[i] - r]);
+        others.chain(to_edges).fold(f64::INFINITY, f64::min)
+    };
+    let rules = CutRules {
+        singular: corners.to_vec(),
+        circles: circles.iter().map(|circle| (circle.0, continued_radius(circle.1, gap(circle)))).collect(),
+        graded: &|x| corners.contains(&x),
+        kept: &|_| false,
+        degrees: [8, 10, 6],
+        of_corner: 40,
+    };
+    let plan = polygon.plan_cuts(&rules);
+    check(&rules, &plan);
+    plan
+}
+
+/// The plan for twenty circular holes: subdomains of at most 300 unknowns, and J of the plan's cuts by degrees of 14.
+#[test]
+fn plan_for_twenty_circular_holes() {
+    let centres: Vec<[f64; 2]> = (0..20).map(|k| [(k % 5) as f64 + 0.5, (k / 5) as f64 + 0.5]).collect();
+    let polygon = plate([5.0, 4.0], centres.iter().map(|&c| Loop::circle(c, 0.3, 4, "hole")).collect());
+    let circles: Vec<([f64; 2], f64)> = centres.iter().map(|&c| (c, 0.3)).collect();
+    let plan = planned(&polygon, &circles, &[], |rules, plan| {
+        let body = CutBody::with(&polygon, &plan.lines, 0.5, 14, |ends| by_rules(rules, ends, 14));
+        body.check();
+        assert_eq!(body.subdomains.len(), plan.subdomains);
+        let pull = |e: usize| match body.mesh.side_names[body.mesh.side[e]].as_str() {
+            "right" => [1.0, 0.0],
+            "left" => [-1.0, 0.0],
+            _ => [0.0; 2],
+        };
+        let load = body.load(pull);
+        let u = body.solved(&Material::new(1.0, 0.3, Plane::Strain).expect("a material"), &load);
+        let j = -0.5 * dot(&load, &u);
+        assert!((j / -19.184560653994 - 1.0).abs() < 1e-9, "{j}");
+    });
+    assert!(plan.subdomains >= 8 && plan.unknowns[1] <= 300, "{plan:?}");
+    assert!(plan.cost[0] > 10.0 * plan.cost[1], "{plan:?}");
+}
+
+/// No cuts through a square without holes.
+#[test]
+fn small_bodies_are_not_cut() {
+    let polygon = plate([1.0, 1.0], Vec::new());
+    let plan = planned(&polygon, &[], &[], |_, _| {});
+    assert!(plan.lines.is_empty() && plan.subdomains == 1 && plan.cost[0] == plan.cost[1], "{plan:?}");
+}
+
+/// Centre and radius.
+type Circle = ([f64; 2], f64);
+
+/// Circles and polygons that neither touch nor overlap, at random places of a plate of 4 by 4.
+fn random_holes(seed: &[f64], most: usize) -> (Vec<Circle>, Vec<Vec<[f64; 2]>>) {
+    let (mut circles, mut polygons, mut all) = (Vec::new(), Vec::new(), Vec::<([f64; 2], f64)>::new());
+    for x in seed.chunks_exact(5) {
+        let r = 0.12 + 0.3 * x[0];
+        let c = [1, 2].map(|i| r + 0.08 + (4.0 - 2.0 * r - 0.16) * x[i]);
+        if all.len() == most || all.iter().any(|(d, s)| distance(c, *d) < r + s + 0.08) {
+            continue;
+        }
+        all.push((c, r));
+        if x[3] < 0.5 {
+            circles.push((c, r));
+            continue;
+        }
+        let n = 3 + (4.0 * x[4]) as usize;
+        let corner = |k: usize| {
+            let (sin, cos) = (7.0 * x[4] + std::f64::consts::TAU * k as f64 / n as f64).sin_cos();
+            [c[0] + r * cos, c[1] + r * sin]
+        };
+        polygons.push((0..n).map(corner).collect());
+    }
+    (circles, polygons)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// Random plates are cut into as many subdomains as the plan tells, at no more cost.
+    #[test]
+    fn plans_for_random_plates(seed in proptest::collection::vec(0.0..1.0f64, 300), most in 6..25usize) {
+        let (circles, polygons) = random_holes(&seed, most);
+        let mut holes: Vec<Loop> = circles.iter().map(|&(c, r)| Loop::circle(c, r, 4, "hole")).collect();
+        holes.extend(polygons.iter().map(|p| Loop::straight(p.clone(), vec!["hole".into(); p.len()])));
+        let polygon = plate([4.0, 4.0], holes);
+        let corners: Vec<[f64; 2]> = polygons.concat();
+        let plan = planned(&polygon, &circles, &corners, |_, _| {});
+        let cuts = Cuts::new(&polygon, &plan.lines).expect("subdomains");
+        prop_assert_eq!(cuts.count(), plan.subdomains);
+        prop_assert!(plan.cost[1] <= plan.cost[0]);
+        prop_assert!(plan.unknowns[1] <= plan.unknowns[0]);
+        if plan.unknowns[0] > 3000 {
+            prop_assert!(plan.cost[0] > 5.0 * plan.cost[1], "{:?} {:?}", plan.unknowns, plan.cost);
+        }
+    }
 }

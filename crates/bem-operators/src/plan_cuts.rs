@@ -1,0 +1,409 @@
+//! Where to cut a body into subdomains: recursive bisection by predicted cost.
+//!
+//! ```text
+//! dense, a region of n unknowns, n_I of them its own and n_B on cuts:   2.33 n³ + n_I³/3 + n_I² n_B + n_I n_B²
+//! skeleton, m unknowns of a new cut in a region with b on earlier ones: m³/3 + m² b + m b²
+//! ```
+//! A line is taken where the sum is smallest, if all that follows from it gains enough. It may pass through holes: each part of
+//! it between two crossings of the boundary is a cut, whose ends stay away from corners, grazing hits and short edges. Elements
+//! of cuts are halved until a displacement, analytic up to the singular points, is approximated like ρ^-p with ρ from 2.5 on.
+//! Those are the points at which the solution is singular, and circles inside of holes, up to which it continues.
+//!
+//! Source: George (1973) for nested dissection; Hsiao, Steinbach and Wendland (2000) for subdomains.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use steklov_elastic::plane::{cross, distance, dot, minus};
+use steklov_quadrature::bernstein;
+
+use crate::cut::{Arrangement, Part};
+use crate::edge::complex;
+use crate::{Cut, Edge, Polygon};
+
+/// Floating point operations per second of dense matrices and of the skeleton, and seconds of a pair of elements: one core. Only
+/// their ratios matter.
+const DENSE: f64 = 40e9;
+const SKELETON: f64 = 8e9;
+const PAIR: f64 = 8e-6;
+/// Predicted seconds below which a region is not cut.
+const LEAST: f64 = 1e-3;
+/// A cut may cost this part more than its region: a first cut alone often gains nothing.
+const HOPE: f64 = 1.1;
+/// It is undone if all that follows from it costs more than this part.
+const GAIN: f64 = 0.85;
+/// How many of the lines of a region are cut and costed exactly.
+const TRIED: usize = 8;
+/// Depth of the bisection at most.
+const DEEPEST: usize = 12;
+/// Directions of lines.
+const DIRECTIONS: usize = 8;
+/// Smallest Bernstein parameter of an element of a cut.
+const RHO: f64 = 2.5;
+/// Halvings of an element at most.
+const HALVINGS: usize = 8;
+/// Sine of the smallest angle between cuts and the boundary.
+const STEEP: f64 = 0.5;
+/// Distances over the pitch: of an end from those of its edge, for edges of length 1 and more; of an edge that counts as longer
+/// than it is; the shortest cut; of vertices from cuts. Over the radius: of arcs that are not crossed.
+const CLEAR: f64 = 0.12;
+const SHORT_EDGE: f64 = 0.3;
+const SHORTEST: f64 = 0.04;
+const VERTEX: f64 = 0.05;
+const ARC: f64 = 0.15;
+
+/// What decides where a body is cut.
+pub struct CutRules<'a> {
+    /// Points at which the solution is singular: corners that are re-entrant, or at which conditions change.
+    pub singular: Vec<[f64; 2]>,
+    /// Circles inside of holes up to which it continues: centre and radius.
+    pub circles: Vec<([f64; 2], f64)>,
+    /// Whether meshes are graded to a corner.
+    pub graded: &'a dyn Fn([f64; 2]) -> bool,
+    /// Whether no cut may end on an edge.
+    pub kept: &'a dyn Fn(&Edge) -> bool,
+    /// Degrees that elements of cuts, arcs and straight edges will have.
+    pub degrees: [usize; 3],
+    /// Unknowns of an edge beside a corner to which meshes are graded.
+    pub of_corner: usize,
+}
+
+/// Where a body is cut, and what that is expected to gain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CutPlan {
+    /// The lines.
+    pub lines: Vec<[[f64; 2]; 2]>,
+    /// Number of subdomains.
+    pub subdomains: usize,
+    /// Unknowns of the body without cuts, of the largest subdomain, and of the skeleton.
+    pub unknowns: [usize; 3],
+    /// Predicted cost of a mesh without cuts and with them (seconds of one core, for their ratio).
+    pub cost: [f64; 2],
+}
+
+/// The Bernstein parameter of a point, for a segment.
+fn bernstein_of(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
+    let (middle, half) = ((complex(a) + complex(b)) / 2.0, (complex(b) - complex(a)) / 2.0);
+    bernstein((complex(x) - middle) / half)
+}
+
+impl CutRules<'_> {
+    /// The smallest Bernstein parameter of a segment over all singular points and circles.
+    fn rho(&self, segment: [[f64; 2]; 2]) -> f64 {
+        let on_circle = |&(c, r): &([f64; 2], f64)| {
+            let at = move |k: usize| {
+                let (sin, cos) = (2.0 * PI * k as f64 / 12.0).sin_cos();
+                [c[0] + r * cos, c[1] + r * sin]
+            };
+            (0..12).map(at)
+        };
+        let points = self.singular.iter().copied().chain(self.circles.iter().flat_map(on_circle));
+        points.map(|x| bernstein_of(x, segment)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Places at which a part of a cut is divided: it is halved until each element has ρ from 2.5 on.
+    pub fn breaks(&self, ends: [[f64; 2]; 2]) -> Vec<f64> {
+        let at = |s: f64| [0, 1].map(|i| ends[0][i] + s * (ends[1][i] - ends[0][i]));
+        let (mut stack, mut breaks) = (vec![([0.0, 1.0], 0)], Vec::new());
+        while let Some(([a, b], depth)) = stack.pop() {
+            if depth == HALVINGS || self.rho([at(a), at(b)]) >= RHO {
+                breaks.push(b);
+                continue;
+            }
+            let middle = (a + b) / 2.0;
+            stack.extend([([middle, b], depth + 1), ([a, middle], depth + 1)]);
+        }
+        breaks.pop();
+        breaks
+    }
+
+    /// The degree of the elements of a part of a cut at which its error is below `wanted`: 1 + ln(1/wanted)/ln ρ.
+    pub fn degree(&self, ends: [[f64; 2]; 2], wanted: f64) -> usize {
+        let rho = self.rho(ends).clamp(RHO, 1e3);
+        1 + (-wanted.ln() / rho.ln()).ceil().max(1.0) as usize
+    }
+}
+
+/// A part of the body that may be cut further.
+#[derive(Clone)]
+struct Region {
+    outline: Polygon,
+    /// Of each edge, whether it is a cut.
+    is_cut: Vec<bool>,
+}
+
+/// A line with its crossings of the boundary: distance along it, edge, edge parameter.
+struct Line {
+    from: [f64; 2],
+    along: [f64; 2],
+    crossings: Vec<(f64, usize, f64)>,
+    /// Rough cost of cutting along it.
+    cost: f64,
+}
+
+/// A region cut along a line.
+struct Bisection {
+    cuts: Vec<[[f64; 2]; 2]>,
+    pieces: Vec<Region>,
+    /// Predicted seconds: of the unknowns on the cuts, and with those of the pieces as they are.
+    of_skeleton: f64,
+    cost: f64,
+    /// Unknowns on the cuts.
+    unknowns: usize,
+}
+
+struct Planner<'a> {
+    rules: &'a CutRules<'a>,
+    /// Elements of parts of cuts, by the bits of their ends: each is asked for many times.
+    known: RefCell<HashMap<[u64; 4], usize>>,
+    /// Length by which distances are judged: 4 area/perimeter, the pitch of a dense plate or the thickness of a long body.
+    pitch: f64,
+    lines: Vec<[[f64; 2]; 2]>,
+    skeleton: usize,
+}
+
+impl Polygon {
+    /// The plan by which a body is best cut into subdomains; no lines where that gains nothing.
+    ///
+    /// # Panics
+    /// If there are several bodies, or one that is unbounded.
+    pub fn plan_cuts(&self, rules: &CutRules<'_>) -> CutPlan {
+        let perimeter: f64 = self.edges().iter().map(Edge::length).sum();
+        let pitch = 4.0 * self.area().abs() / perimeter;
+        let mut planner = Planner { rules, known: RefCell::default(), pitch, lines: Vec::new(), skeleton: 0 };
+        let region = Region { outline: self.clone(), is_cut: vec![false; self.edges().len()] };
+        let unknowns = planner.counts(&region)[0] as usize;
+        let uncut = planner.dense(&region);
+        let (regions, cost) = planner.bisect(&region, 0);
+        let largest = regions.iter().map(|region| planner.counts(region)[0] as usize).max().unwrap_or(0);
+        CutPlan {
+            subdomains: regions.len(),
+            unknowns: [unknowns, largest, planner.skeleton],
+            cost: [uncut, cost],
+            lines: planner.lines,
+        }
+    }
+}
+
+impl Planner<'_> {
+    /// Elements of a part of a cut.
+    fn elements(&self, [a, b]: [[f64; 2]; 2]) -> usize {
+        // both directions have the same
+        let [a, b] = if a < b { [a, b] } else { [b, a] };
+        let key = [a[0], a[1], b[0], b[1]].map(f64::to_bits);
+        *self.known.borrow_mut().entry(key).or_insert_with(|| self.rules.breaks([a, b]).len() + 1)
+    }
+
+    /// Unknowns and elements of an edge.
+    fn of_edge(&self, edge: &Edge, is_cut: bool) -> [f64; 2] {
+        let [of_cuts, of_arcs, straight] = self.rules.degrees.map(|p| 2.0 * p as f64);
+        if is_cut {
+            let n = self.elements([edge.start, edge.end]) as f64;
+            return [of_cuts * n, n];
+        }
+        if !edge.is_line() {
+            let n = (edge.turning() / FRAC_PI_2 - 1e-9).ceil().max(1.0);
+            return [of_arcs * n, n];
+        }
+        let corners = [edge.start, edge.end].into_iter().filter(|x| (self.rules.graded)(*x)).count() as f64;
+        let n = (edge.length() / self.pitch - 1e-9).ceil().max(1.0);
+        [corners * self.rules.of_corner as f64 + straight * n, n + 5.0 * corners]
+    }
+
+    /// Unknowns, elements, and unknowns on cuts.
+    fn counts(&self, region: &Region) -> [f64; 3] {
+        let edges = region.outline.edges().iter().zip(&region.is_cut);
+        edges.fold([0.0; 3], |[n, m, cut], (edge, &is_cut)| {
+            let [own, elements] = self.of_edge(edge, is_cut);
+            [n + own, m + elements, cut + if is_cut { own } else { 0.0 }]
+        })
+    }
+
+    /// Predicted seconds of a region as it is.
+    fn dense(&self, region: &Region) -> f64 {
+        let [n, m, cut] = self.counts(region);
+        let own = n - cut;
+        let flops = 2.33 * n.powi(3) + own.powi(3) / 3.0 + own * own * cut + own * cut * cut;
+        flops / DENSE + PAIR * m * m / 2.0
+    }
+
+    fn bisect(&mut self, region: &Region, depth: usize) -> (Vec<Region>, f64) {
+        let alone = self.dense(region);
+        if depth == DEEPEST || alone < LEAST {
+            return (vec![region.clone()], alone);
+        }
+        let Some(Bisection { cuts, pieces, of_skeleton, unknowns, .. }) = self.best(region, alone) else {
+            return (vec![region.clone()], alone);
+        };
+        let before = (self.lines.len(), self.skeleton);
+        self.lines.extend(cuts);
+        self.skeleton += unknowns;
+        let (mut regions, mut cost) = (Vec::new(), of_skeleton);
+        for piece in pieces {
+            let (parts, own) = self.bisect(&piece, depth + 1);
+            regions.extend(parts);
+            cost += own;
+        }
+        if cost > GAIN * alone {
+            self.lines.truncate(before.0);
+            self.skeleton = before.1;
+            return (vec![region.clone()], alone);
+        }
+        (regions, cost)
+    }
+
+    /// The cuts of the best line and what they make of a region.
+    fn best(&self, region: &Region, alone: f64) -> Option<Bisection> {
+        let on_cuts = self.counts(region)[2];
+        let mut lines = self.candidates(region, on_cuts);
+        lines.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let mut best: Option<Bisection> = None;
+        let mut tried = 0;
+        for line in lines {
+            if tried == TRIED || best.as_ref().is_some_and(|best| line.cost > 1.3 * best.cost) {
+                break;
+            }
+            let Some(cuts) = self.admissible(region, &line) else { continue };
+            tried += 1;
+            let Some(pieces) = cut_along(region, &cuts).filter(|pieces| pieces.len() > 1) else { continue };
+            let elements: usize = cuts.iter().map(|ends| self.elements(*ends)).sum();
+            let m = (2 * self.rules.degrees[0] * elements) as f64;
+            let of_skeleton = of_skeleton(m, on_cuts);
+            let cost = of_skeleton + pieces.iter().map(|piece| self.dense(piece)).sum::<f64>();
+            if best.as_ref().is_none_or(|best| cost < best.cost) {
+                best = Some(Bisection { cost, cuts, pieces, of_skeleton, unknowns: m as usize });
+            }
+        }
+        best.filter(|best| best.cost <= HOPE * alone)
+    }
+
+    /// Lines that cross the boundary steeply, with rough costs: by the unknowns on both sides, and a guess of those of the cuts.
+    fn candidates(&self, region: &Region, on_cuts: f64) -> Vec<Line> {
+        let edges = region.outline.edges();
+        let middles: Vec<([f64; 2], f64)> = edges
+            .iter()
+            .zip(&region.is_cut)
+            .map(|(edge, &is_cut)| (edge.point(0.5), self.of_edge(edge, is_cut)[0]))
+            .collect();
+        let degree = 2.0 * self.rules.degrees[0] as f64;
+        let mut lines = Vec::new();
+        for k in 0..DIRECTIONS {
+            let (sin, cos) = (PI * k as f64 / DIRECTIONS as f64).sin_cos();
+            let (along, across) = ([cos, sin], [-sin, cos]);
+            for offset in offsets(&region.outline, across, if k % 4 == 0 { 24 } else { 13 }) {
+                let from = across.map(|c| c * offset);
+                let mut crossings: Vec<(f64, usize, f64)> = Vec::new();
+                for (e, edge) in edges.iter().enumerate() {
+                    crossings.extend(edge.met_by(from, along).into_iter().map(|(s, d)| (d, e, s)));
+                }
+                crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let steep = |&(_, e, s): &(f64, usize, f64)| cross(along, edges[e].tangent(s)).abs() >= STEEP;
+                if crossings.len() < 2 || !crossings.len().is_multiple_of(2) || !crossings.iter().all(steep) {
+                    continue;
+                }
+                let guess = |pair: &[(f64, usize, f64)]| ((pair[1].0 - pair[0].0) / (0.5 * self.pitch)).ceil().max(1.0);
+                let m = degree * crossings.chunks_exact(2).map(guess).sum::<f64>();
+                let beyond = |left: bool| -> f64 {
+                    let on_side = middles.iter().filter(|(x, _)| (dot(across, *x) > offset) == left);
+                    m + on_side.map(|(_, unknowns)| unknowns).sum::<f64>()
+                };
+                let dense = 2.66 * (beyond(true).powi(3) + beyond(false).powi(3)) / DENSE;
+                lines.push(Line { from, along, crossings, cost: dense + of_skeleton(m, on_cuts) });
+            }
+        }
+        lines
+    }
+
+    /// The cuts of a line, if all of them keep their distances.
+    fn admissible(&self, region: &Region, line: &Line) -> Option<Vec<[[f64; 2]; 2]>> {
+        let edges = region.outline.edges();
+        for &(_, e, s) in &line.crossings {
+            let (edge, length) = (&edges[e], edges[e].length() / self.pitch);
+            let clearance = CLEAR * length.clamp(SHORT_EDGE, 1.0);
+            if s.min(1.0 - s) * length < clearance || !region.is_cut[e] && (self.rules.kept)(edge) {
+                return None;
+            }
+        }
+        let mut cuts = Vec::new();
+        for pair in line.crossings.chunks_exact(2) {
+            let cut = [pair[0], pair[1]].map(|(_, e, s)| edges[e].point(s));
+            if distance(cut[0], cut[1]) < SHORTEST * self.pitch || self.rules.rho(cut) < 1.02 {
+                return None;
+            }
+            let off = |x: [f64; 2]| {
+                let r = minus(x, line.from);
+                let (along, across) = (dot(r, line.along), cross(line.along, r).abs());
+                across + (pair[0].0 - along).max(along - pair[1].0).max(0.0)
+            };
+            let near_vertex = || edges.iter().any(|edge| off(edge.start) < VERTEX * self.pitch);
+            let is_crossed = |e: usize| line.crossings.iter().any(|&(_, crossed, _)| crossed == e);
+            let near_arc = || {
+                let arcs = edges.iter().enumerate().filter(|(e, edge)| !edge.is_line() && !is_crossed(*e));
+                let mut close = arcs.map(|(_, edge)| {
+                    let radius = edge.length() / edge.turning().max(1e-9);
+                    (0..=8).any(|k| off(edge.point(k as f64 / 8.0)) < ARC * radius)
+                });
+                close.any(|near| near)
+            };
+            if near_vertex() || near_arc() {
+                return None;
+            }
+            cuts.push(cut);
+        }
+        Some(cuts)
+    }
+}
+
+/// Seconds of m unknowns of a cut in a region with b on earlier ones.
+fn of_skeleton(m: f64, b: f64) -> f64 {
+    (m.powi(3) / 3.0 + m * m * b + m * b * b) / SKELETON
+}
+
+/// Offsets of lines: equally spaced, through the middles of holes, and midway between neighbouring extremes of holes.
+fn offsets(outline: &Polygon, across: [f64; 2], equal: usize) -> Vec<f64> {
+    let extent = |edges: &[Edge]| {
+        let of_edge = |edge: &Edge| {
+            let parts = if edge.is_line() { 1 } else { 8 };
+            (0..parts).map(|k| dot(across, edge.point(k as f64 / parts as f64))).collect::<Vec<f64>>()
+        };
+        let all = edges.iter().flat_map(of_edge);
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    };
+    let loops = outline.loops();
+    let [low, high] = extent(&outline.edges()[loops[0].clone()]);
+    let mut offsets: Vec<f64> = (1..=equal).map(|k| low + (high - low) * k as f64 / (equal + 1) as f64).collect();
+    let holes: Vec<[f64; 2]> = loops[1..].iter().map(|one| extent(&outline.edges()[one.clone()])).collect();
+    offsets.extend(holes.iter().map(|[a, b]| (a + b) / 2.0));
+    let mut extremes: Vec<f64> = holes.into_iter().flatten().collect();
+    extremes.sort_by(f64::total_cmp);
+    let apart = extremes.windows(2).filter(|pair| pair[1] - pair[0] > 1e-6 * (high - low));
+    offsets.extend(apart.map(|pair| (pair[0] + pair[1]) / 2.0));
+    offsets
+}
+
+/// The pieces of a region along cuts.
+fn cut_along(region: &Region, cuts: &[[[f64; 2]; 2]]) -> Option<Vec<Region>> {
+    let names = region.outline.side_names();
+    let sides = [0, 0].map(|side| names[side].clone());
+    let cuts: Vec<Cut> = cuts.iter().map(|&ends| Cut { ends, sides: sides.clone() }).collect();
+    let Arrangement { halves, pieces, .. } = region.outline.arranged(&cuts).ok()?;
+    let region_of = |piece: &Vec<Vec<usize>>| {
+        let of_cut = |&h: &usize| match halves[h].of {
+            Part::Outline(edge, _) => region.is_cut[edge],
+            Part::Line(_) => true,
+        };
+        let is_cut = piece.iter().flatten().map(of_cut).collect();
+        let edges_of = |one: &Vec<usize>| one.iter().map(|&h| halves[h].edge.clone()).collect();
+        let outline = region.outline.in_pieces(vec![piece.iter().map(edges_of).collect()], names.to_vec());
+        Region { outline, is_cut }
+    };
+    Some(pieces.iter().map(region_of).collect())
+}
+
+/// κ of a hole of radius R with a gap to the next boundary: the solution continues into the hole up to the circle of radius κ R,
+/// the limit of reflections at both.
+pub fn continued_radius(radius: f64, gap: f64) -> f64 {
+    let c = radius + gap / 2.0;
+    c - (c * c - radius * radius).sqrt()
+}
