@@ -10,7 +10,7 @@ use steklov_expression::Expression;
 use steklov_model::error::SolveError;
 use steklov_model::estimate::error_estimate::Estimate;
 use steklov_model::mesh::layout::{Layout, MeshedCuts};
-use steklov_model::run::adaptive_loop::{Progress, Run, run};
+use steklov_model::run::adaptive_loop::{Progress, Reason, Run, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::solution::Solved;
 use steklov_problem::{Condition, Contact, Friction, Refine, Scene, Springs};
@@ -211,11 +211,38 @@ fn cuts_that_are_refused() {
     }
     next.cuts = Some(MeshedCuts { cuts: Arc::new(cuts), elements });
     let refused = |scene: &Scene| attempt(scene, next.clone()).err().expect("no solution").to_string();
-    assert!(refused(&scene).contains("2 subdomains cannot have refinement"), "{}", refused(&scene));
+    let mut halved = scene.clone();
+    halved.method.refine = Refine::H;
+    assert!(refused(&halved).contains("2 subdomains cannot have refinement"), "{}", refused(&halved));
     let mut once = scene.clone();
     once.method.refine = Refine::None;
     let mut springs = once.clone();
     springs.problem.side_mut("top").expect("a side").springs = Some(Springs::both(Expression::number(1.0)));
     assert!(refused(&springs).contains("cannot have springs"), "{}", refused(&springs));
     assert!(attempt(&once, next).is_ok());
+}
+
+/// The adaptive loop on twenty circles in cells: J within what is told of finite elements' on the last step, and the number of
+/// unknowns on cuts.
+#[test]
+fn refinement_of_cuts() {
+    let mut scene = in_cells([5, 4]);
+    scene.method.tolerance = Some(1e-5);
+    let outline = &scene.problem.outline;
+    let cuts = Cuts::new(outline, &cells([5, 4])).expect("subdomains");
+    let elements = cuts.parts().iter().map(|[a, b]| equal(distance(*a, *b), 0.5, 4)).collect();
+    let mut next = Layout::first(&scene);
+    for (edge, s) in cuts.ends() {
+        next.subdivision.insert(edge, s, &[], 0.0);
+    }
+    next.subdivision.edges.iter_mut().flatten().for_each(|piece| piece.degree = 4);
+    next.cuts = Some(MeshedCuts { cuts: Arc::new(cuts), elements });
+    let run = attempt(&scene, next).expect("a solution");
+    let (exact, step) = (-19.184560653994, run.step());
+    let estimate = step.estimate();
+    assert_eq!(run.reason, Reason::Tolerance);
+    assert!((estimate.energy - exact).abs() <= estimate.uncertainty, "{estimate:?}");
+    let error = ((step.energy / exact - 1.0).abs()).sqrt();
+    let effectivity = estimate.relative / error;
+    assert!((0.5..1.5).contains(&effectivity), "{effectivity}");
 }

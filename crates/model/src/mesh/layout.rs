@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use steklov_bem_operators::{Cuts, Piece, Subdivision};
+use steklov_bem_operators::{Cuts, Mark, Mesh, Piece, Subdivision};
 use steklov_contact::Tip;
 use steklov_problem::{DataError, DataErrorKind, Indicator, Multiplier, Problem, Refine, Scene};
 
@@ -27,11 +27,29 @@ pub struct MeshedCuts {
 }
 
 impl MeshedCuts {
+    /// The cuts after refinement of the marked elements, in the order of their numbers: halved where they are rough, else raised by
+    /// as many degrees.
+    pub(crate) fn refined(&self, marks: &[Mark]) -> Self {
+        let mut marks = marks.iter();
+        let mut of_piece = |piece: &Piece| match marks.next() {
+            Some(Mark::Refine { rough: true, .. }) => {
+                let middle = (piece.start + piece.end) / 2.0;
+                vec![Piece { end: middle, ..*piece }, Piece { start: middle, ..*piece }]
+            }
+            Some(Mark::Refine { degrees, .. }) => {
+                vec![Piece { degree: (piece.degree + degrees).min(Mesh::MAX_DEGREE), ..*piece }]
+            }
+            _ => vec![*piece],
+        };
+        let elements = self.elements.iter().map(|pieces| pieces.iter().flat_map(&mut of_piece).collect()).collect();
+        Self { cuts: self.cuts.clone(), elements }
+    }
+
     /// Whether a scene can be solved along these cuts.
     ///
     /// # Errors
-    /// Several bodies, a medium, springs, random input, stabilised multipliers, residuals that steer, or refinement, which does not
-    /// refine cuts.
+    /// Several bodies, a medium, springs, random input, stabilised multipliers, residuals that steer, or another
+    /// refinement than that of the hp strategy.
     pub(crate) fn check(&self, scene: &Scene) -> Result<(), DataError> {
         let (problem, method) = (&scene.problem, &scene.method);
         let found = [
@@ -40,7 +58,7 @@ impl MeshedCuts {
             (scene.random.is_some(), "random", "random input"),
             (method.multiplier != Multiplier::Biorthogonal, "method", "stabilised multipliers"),
             (method.indicator != Indicator::Bubble, "method", "a residual indicator"),
-            (method.refine != Refine::None, "method", "refinement of the mesh"),
+            (!matches!(method.refine, Refine::None | Refine::Hp), "method", "refinement other than \"hp\""),
         ];
         match found.into_iter().find(|(is, ..)| *is) {
             None => Ok(()),
@@ -56,9 +74,12 @@ impl MeshedCuts {
 const SAME: f64 = 1e-9;
 
 impl Layout {
-    /// Displacement unknowns.
+    /// Displacement unknowns, those on cuts included.
     pub fn dofs(&self) -> usize {
-        self.subdivision.dofs()
+        let on_cuts = self.cuts.iter().flat_map(|cuts| &cuts.elements);
+        // a part of a cut has one node less than degrees: its ends are nodes of the boundary or of other parts
+        let inside = |pieces: &Vec<Piece>| 2 * (pieces.iter().map(|piece| piece.degree).sum::<usize>() - 1);
+        self.subdivision.dofs() + on_cuts.map(inside).sum::<usize>()
     }
 
     /// The layout with the same elements on both sides of cuts: all vertices of both, and the higher degree. Both sides then

@@ -42,6 +42,8 @@ struct Marking<'a> {
     apart: Vec<f64>,
     /// Elements whose loads are not resolved.
     unresolved: Vec<usize>,
+    /// Squared indicators of the elements of cuts, and the decay of coefficients there.
+    on_cuts: Vec<(f64, Option<f64>)>,
 }
 
 impl<'a> Marking<'a> {
@@ -64,7 +66,9 @@ impl<'a> Marking<'a> {
             Some(estimate) if estimate.doubts.contains(&Doubt::Data) => unresolved_loads(&unseen.unresolved),
             _ => Vec::new(),
         };
-        Self { scene, solved, state, estimate, squared, apart, unresolved }
+        let of_cuts = estimate.iter().flat_map(|estimate| &estimate.of_cuts).map(Bubble::total);
+        let on_cuts = of_cuts.zip(factors.decay_on_cuts.iter().copied()).collect();
+        Self { scene, solved, state, estimate, squared, apart, unresolved, on_cuts }
     }
 
     /// How fast the Legendre coefficients of the solution on an element decay.
@@ -72,10 +76,27 @@ impl<'a> Marking<'a> {
         legendre_decay(&self.solved.mesh, &self.solved.space, e, &self.solved.displacement)
     }
 
+    /// The marks of all elements, those of cuts last, with a part of the squared indicators.
+    fn marked(&self, part: f64) -> Vec<Option<f64>> {
+        let all: Vec<f64> = self.squared.iter().copied().chain(self.on_cuts.iter().map(|on_cut| on_cut.0)).collect();
+        doerfler(&all, self.scene.method.marking.unwrap_or(part))
+    }
+
+    /// The marks of the elements of cuts: these are halved where the displacement is not smooth.
+    fn marks_on_cuts(&self, part: f64) -> Vec<Mark> {
+        let marked = self.marked(part).split_off(self.squared.len());
+        let mark = |(excess, (_, decay)): (Option<f64>, &(f64, Option<f64>))| {
+            let rough = decay.is_some_and(|decay| decay > self.scene.method.smoothness);
+            excess.map_or(Mark::Keep, |excess| Mark::refine(rough, excess))
+        };
+        marked.into_iter().zip(&self.on_cuts).map(mark).collect()
+    }
+
     /// The elements with a part of the squared indicators, and those with unresolved loads.
     fn marks(&self, part: f64, rough: &dyn Fn(usize) -> bool) -> Vec<Mark> {
         let method = &self.scene.method;
-        let marked = doerfler(&self.squared, method.marking.unwrap_or(part));
+        let mut marked = self.marked(part);
+        marked.truncate(self.squared.len());
         let limited = |e: usize| limited_by_multipliers(self.scene, self.apart[e], self.squared[e]);
         let mark = |(e, excess): (usize, Option<f64>)| match excess {
             None => Mark::Keep,
@@ -112,8 +133,9 @@ impl<'a> Marking<'a> {
         if !self.is_curved() || mesh.degree[e] < TELLING || self.unresolved.contains(&e) {
             return None;
         }
-        let share = 0.5 * self.tolerated()? / mesh.len() as f64;
-        let excess = self.squared[e] / self.squared.iter().sum::<f64>() / share;
+        let share = 0.5 * self.tolerated()? / (mesh.len() + self.on_cuts.len()) as f64;
+        let whole = self.squared.iter().chain(self.on_cuts.iter().map(|(squared, _)| squared)).sum::<f64>();
+        let excess = self.squared[e] / whole / share;
         let lacking = (0.5 * excess.ln() / -decay.ln()).ceil();
         Some((lacking as usize).clamp(1, mesh.degree[e] / 2))
     }
@@ -140,7 +162,12 @@ impl<'a> Marking<'a> {
     }
 
     /// The marks of the hp strategy: all of the error except a small part, and all elements too coarse to show their own.
-    fn of_hp(&self, tips: &[Tip], singular: &[Vec<f64>], turns: &[Vec<Turn>]) -> Result<Vec<Mark>, SolveError> {
+    fn of_hp(
+        &self,
+        tips: &[Tip],
+        singular: &[Vec<f64>],
+        turns: &[Vec<Turn>],
+    ) -> Result<(Vec<Mark>, Vec<Mark>), SolveError> {
         let mesh = &self.solved.mesh;
         // on curves the elements left alone have at most half of the tolerated squared error
         let tolerated = self.tolerated().filter(|&part| part < 1.0 && self.is_curved());
@@ -172,7 +199,7 @@ impl<'a> Marking<'a> {
                 marks[e] = Mark::refine(true, 1.0);
             }
         }
-        Ok(marks)
+        Ok((marks, self.marks_on_cuts(part)))
     }
 }
 
@@ -286,7 +313,7 @@ impl Layout {
         let Marking { scene, solved: Solved { mesh, .. }, .. } = *marking;
         let mut singular = singular_points(scene, true);
         let turns = gap_turns(scene);
-        let mut marks = marking.of_hp(&self.tips, &singular, &turns)?;
+        let (mut marks, on_cuts) = marking.of_hp(&self.tips, &singular, &turns)?;
         let cuts = Cuts::new(mesh, &turns, &unseen.overlaps);
         cuts.elements().for_each(|e| marks[e] = Mark::Keep);
         let mut subdivision = Subdivision::new(mesh, &marks);
@@ -294,13 +321,19 @@ impl Layout {
         cut_at_turns(&mut subdivision, &turns, &|edge, piece| marking.oscillates_at(edge, piece));
         let mut tips = self.tips.clone();
         let located = match marking.state {
-            Some(state) => relocate(&mut tips, &mut subdivision, state, &singular, &obstacles(&turns))?,
+            Some(state) => {
+                // vertices at the ends of cuts stay
+                let mut fixed = singular.clone();
+                let ends = self.cuts.iter().flat_map(|cuts| cuts.cuts.ends());
+                ends.for_each(|(edge, s)| fixed[edge].push(s));
+                relocate(&mut tips, &mut subdivision, state, &fixed, &obstacles(&turns))?
+            }
             None => Vec::new(),
         };
         follow_beyond(scene, &self.tips, &tips, &mut subdivision, &mut singular);
         tips.iter().for_each(|tip| singular[tip.edge].push(tip.s));
-        let layout =
-            Self { subdivision: subdivision.refined(&singular, &Grading::default()), tips, cuts: self.cuts.clone() };
+        let cuts = self.cuts.as_ref().map(|cuts| cuts.refined(&on_cuts));
+        let layout = Self { subdivision: subdivision.refined(&singular, &Grading::default()), tips, cuts };
         Ok((layout.with_equal_cuts(&scene.problem), located))
     }
 }

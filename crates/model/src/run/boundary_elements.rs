@@ -182,7 +182,7 @@ impl Model for BoundaryElements {
                 located,
                 cuts: progress.next.cuts.clone(),
             },
-            dofs: solved.space.dofs(),
+            dofs: progress.next.dofs(),
             energy: solved.energies.total,
             strain: solved.energies.strain,
             converged: solved.balanced && contact.is_none_or(|c| c.converged()),
@@ -190,7 +190,7 @@ impl Model for BoundaryElements {
             estimate,
             seconds: seconds_of(&solved.seconds, clock.elapsed().as_secs_f64()),
         };
-        let refined = layout.subdivision != progress.next.subdivision;
+        let refined = layout.subdivision != progress.next.subdivision || layout.cuts != progress.next.cuts;
         Ok(Advanced { solved, matrices: body, step, next: refined.then_some(layout) })
     }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use faer::{Mat, Scale};
-use steklov_bem_operators::{Assembly, BoundaryField, Cuts, Mesh, Space};
+use steklov_bem_operators::{Assembly, BoundaryField, Cuts, Mesh, Space, legendre_decay};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_elastic::RigidMotion;
 use steklov_problem::Scene;
@@ -134,6 +134,8 @@ pub struct Factors {
     pub unresolved: Vec<f64>,
     /// The condensed contact problem.
     pub contact: Option<ContactFactors>,
+    /// How fast the Legendre coefficients of the displacement decay on the elements of cuts.
+    pub(crate) decay_on_cuts: Vec<Option<f64>>,
 }
 
 impl Body {
@@ -315,6 +317,7 @@ impl Body {
             extra_load: given.extra_load.iter().zip(pull).map(|(f, pull)| f - pull).collect(),
             unresolved: given.loads.unresolved.iter().zip(unresolved).map(|(t, k)| t + k).collect(),
             contact: contact_factors,
+            decay_on_cuts: self.decay_on_cuts(&estimated),
         };
         let solved = Solved {
             strain_of_bodies,
@@ -334,6 +337,18 @@ impl Body {
             space: space.clone(),
         };
         Ok((solved, factors))
+    }
+
+    /// How fast the Legendre coefficients of a nodal displacement decay on the elements of cuts.
+    fn decay_on_cuts(&self, displacement: &[f64]) -> Vec<Option<f64>> {
+        let mut decay = vec![None; self.elements - self.mesh.len()];
+        for part in self.pieces.iter().map(|body| &body.piece.part) {
+            let own = part.own(displacement);
+            for (local, &e) in part.elements.iter().enumerate().filter(|(_, e)| **e >= self.mesh.len()) {
+                decay[e - self.mesh.len()] = legendre_decay(&part.mesh, &part.space, local, &own);
+            }
+        }
+        decay
     }
 
     /// The residual of a displacement in the equations.
