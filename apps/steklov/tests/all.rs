@@ -7,6 +7,7 @@ mod check_result;
 mod command;
 mod coupled_output;
 mod coupled_scenes;
+mod cut_scenes;
 mod doubts;
 mod expected;
 mod exterior_scenes;

@@ -29,7 +29,7 @@ const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"
 const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
 const FEW: &str = "method.max_steps=3";
 
-const KINDS: [Kind; 24] = [
+const KINDS: [Kind; 25] = [
     kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
@@ -108,11 +108,12 @@ const KINDS: [Kind; 24] = [
     kind("msfem-contact", "37-block-of-random-cells", &["method.estimators=true"], &["basis", "contact problem"]),
     kind("fem-bem", "40-transmission", &["method.estimators=true"], MEDIUM),
     kind("msfem-bem", "42-stiff-inclusion-of-random-cells", &["grid.fine=[4, 4]", "method.max_steps=2"], MEDIUM),
+    kind("cut", "74-plate-with-holes", &["method.tolerance=1e-3", FEW], &["V ", "W ", "S "]),
     kind("medium", "65-lining-with-friction", &["method.max_steps=2"], &["V ", "S ", "contact problem"]),
 ];
 
 /// Datasets of which one entry is changed, and the kind of scene.
-const CHANGED: [(&str, &str); 18] = [
+const CHANGED: [(&str, &str); 19] = [
     ("contact", "matrices/V"),
     ("contact", "matrices/K"),
     ("contact", "matrices/W"),
@@ -121,6 +122,7 @@ const CHANGED: [(&str, &str); 18] = [
     ("random-gap", "contact_problem/problem/load"),
     ("coulomb", "contact_problem/solution/multipliers"),
     ("two-bodies", "matrices/body_1/S"),
+    ("cut", "matrices/body_1/S"),
     ("stabilised", "stabilisation/forms/B_gamma"),
     ("stabilised", "stabilisation/multipliers"),
     ("random-modulus", "stochastic/cells/00000/M_E"),

@@ -208,7 +208,7 @@ fn pieces_of(halves: &[Half], loops: Vec<Vec<usize>>) -> Vec<Vec<Vec<usize>>> {
         let twice = |&h: &usize| {
             let e = &halves[h].edge;
             let (a, b) = (minus(e.start, o), minus(e.end, o));
-            cross(a, b) + e.bulge(o)[0]
+            cross(a, b) + e.twice_segment()
         };
         one.iter().map(twice).sum()
     };

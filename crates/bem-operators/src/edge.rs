@@ -78,6 +78,11 @@ impl Edge {
         self.path == Path::Line
     }
 
+    /// The edge parameter at which its traversal ends.
+    pub fn at_end(&self) -> f64 {
+        if self.reversed { 0.0 } else { 1.0 }
+    }
+
     /// First and second corner in the order in which they were listed.
     pub fn listed(&self) -> [[f64; 2]; 2] {
         if self.reversed { [self.end, self.start] } else { [self.start, self.end] }
@@ -365,6 +370,20 @@ impl Edge {
         // ∫ x dA = ⅓ ∮ x (x dy - y dx); along the chord x × dx vanishes
         let (mx, my) = (of(&|r| r[0]) / 3.0, of(&|r| r[1]) / 3.0);
         [twice, mx + (a[0] - o[0]) * twice / 2.0, my + (a[1] - o[1]) * twice / 2.0]
+    }
+
+    /// The first number of [`Self::bulge`], closed for circles and ellipses.
+    pub(crate) fn twice_segment(&self) -> f64 {
+        let sign = if self.reversed { -1.0 } else { 1.0 };
+        match self.path {
+            Path::Line => 0.0,
+            Path::Arc { opening } => {
+                let radius = distance(self.start, self.end) / 2.0 / (opening / 2.0).sin();
+                sign * radius * radius * (opening - opening.sin())
+            }
+            Path::Ellipse { radii: [a, b], opening, .. } => sign * a * b * (opening - opening.sin()),
+            Path::Cubic { .. } => self.bulge(self.start)[0],
+        }
     }
 
     /// Outward unit normal at s.

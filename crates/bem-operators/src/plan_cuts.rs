@@ -54,15 +54,16 @@ const VERTEX: f64 = 0.05;
 const ARC: f64 = 0.15;
 
 /// What decides where a body is cut.
-pub struct CutRules<'a> {
+#[derive(Debug, Clone, PartialEq)]
+pub struct CutRules {
     /// Points at which the solution is singular: corners that are re-entrant, or at which conditions change.
     pub singular: Vec<[f64; 2]>,
     /// Circles inside of holes up to which it continues: centre and radius.
     pub circles: Vec<([f64; 2], f64)>,
-    /// Whether meshes are graded to a corner.
-    pub graded: &'a dyn Fn([f64; 2]) -> bool,
-    /// Whether no cut may end on an edge.
-    pub kept: &'a dyn Fn(&Edge) -> bool,
+    /// Corners to which meshes are graded.
+    pub graded: Vec<[f64; 2]>,
+    /// Sides on which no cut may end.
+    pub kept: Vec<usize>,
     /// Degrees that elements of cuts, arcs and straight edges will have.
     pub degrees: [usize; 3],
     /// Unknowns of an edge beside a corner to which meshes are graded.
@@ -80,6 +81,8 @@ pub struct CutPlan {
     pub unknowns: [usize; 3],
     /// Predicted cost of a mesh without cuts and with them (seconds of one core, for their ratio).
     pub cost: [f64; 2],
+    /// Bytes of V, K and W of such a mesh without cuts, and with them and the matrix of the skeleton.
+    pub bytes: [f64; 2],
 }
 
 /// The Bernstein parameter of a point, for a segment.
@@ -88,7 +91,7 @@ fn bernstein_of(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
     bernstein((complex(x) - middle) / half)
 }
 
-impl CutRules<'_> {
+impl CutRules {
     /// The smallest Bernstein parameter of a segment over all singular points and circles.
     fn rho(&self, segment: [[f64; 2]; 2]) -> f64 {
         let on_circle = |&(c, r): &([f64; 2], f64)| {
@@ -154,7 +157,7 @@ struct Bisection {
 }
 
 struct Planner<'a> {
-    rules: &'a CutRules<'a>,
+    rules: &'a CutRules,
     /// Elements of parts of cuts, by the bits of their ends: each is asked for many times.
     known: RefCell<HashMap<[u64; 4], usize>>,
     /// Length by which distances are judged: 4 area/perimeter, the pitch of a dense plate or the thickness of a long body.
@@ -168,7 +171,7 @@ impl Polygon {
     ///
     /// # Panics
     /// If there are several bodies, or one that is unbounded.
-    pub fn plan_cuts(&self, rules: &CutRules<'_>) -> CutPlan {
+    pub fn plan_cuts(&self, rules: &CutRules) -> CutPlan {
         let perimeter: f64 = self.edges().iter().map(Edge::length).sum();
         let pitch = 4.0 * self.area().abs() / perimeter;
         let mut planner = Planner { rules, known: RefCell::default(), pitch, lines: Vec::new(), skeleton: 0 };
@@ -176,11 +179,14 @@ impl Polygon {
         let unknowns = planner.counts(&region)[0] as usize;
         let uncut = planner.dense(&region);
         let (regions, cost) = planner.bisect(&region, 0);
-        let largest = regions.iter().map(|region| planner.counts(region)[0] as usize).max().unwrap_or(0);
+        let own: Vec<f64> = regions.iter().map(|region| planner.counts(region)[0]).collect();
+        let largest = own.iter().fold(0.0, |a: f64, b| a.max(*b)) as usize;
+        let bytes = |sizes: &[f64]| 24.0 * sizes.iter().map(|n| n * n).sum::<f64>();
         CutPlan {
             subdomains: regions.len(),
             unknowns: [unknowns, largest, planner.skeleton],
             cost: [uncut, cost],
+            bytes: [bytes(&[unknowns as f64]), bytes(&own) + 8.0 * (planner.skeleton as f64).powi(2)],
             lines: planner.lines,
         }
     }
@@ -206,7 +212,7 @@ impl Planner<'_> {
             let n = (edge.turning() / FRAC_PI_2 - 1e-9).ceil().max(1.0);
             return [of_arcs * n, n];
         }
-        let corners = [edge.start, edge.end].into_iter().filter(|x| (self.rules.graded)(*x)).count() as f64;
+        let corners = [edge.start, edge.end].into_iter().filter(|x| self.rules.graded.contains(x)).count() as f64;
         let n = (edge.length() / self.pitch - 1e-9).ceil().max(1.0);
         [corners * self.rules.of_corner as f64 + straight * n, n + 5.0 * corners]
     }
@@ -321,7 +327,7 @@ impl Planner<'_> {
         for &(_, e, s) in &line.crossings {
             let (edge, length) = (&edges[e], edges[e].length() / self.pitch);
             let clearance = CLEAR * length.clamp(SHORT_EDGE, 1.0);
-            if s.min(1.0 - s) * length < clearance || !region.is_cut[e] && (self.rules.kept)(edge) {
+            if s.min(1.0 - s) * length < clearance || !region.is_cut[e] && self.rules.kept.contains(&edge.side) {
                 return None;
             }
         }

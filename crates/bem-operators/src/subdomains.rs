@@ -246,12 +246,13 @@ impl OnBoundary {
         let mut of_edge = vec![Vec::new(); cuts.edges];
         (0..mesh.len()).for_each(|e| of_edge[mesh.edge[e]].push(e));
         let mut all = Self { first: BTreeMap::new(), of_edge };
+        let near = SAME * mesh.diameter();
         for step in cuts.loops.iter().flatten().flatten() {
             if let Step::Outline { from, edge, s } = *step {
                 let first = all.between(edge, s, mesh).next().expect("an element between the ends of cuts");
                 let x = cuts.points[from];
                 let y = mesh.vertices[first];
-                assert!(distance(x, y) <= SAME * mesh.diameter(), "no vertex at the end {x:?} of a cut: {y:?}");
+                assert!(distance(x, y) <= near, "no vertex at the end {x:?} of a cut: {y:?}");
                 all.first.insert(from, first);
             }
         }

@@ -275,7 +275,7 @@ fn cuts_on_held_sides() {
 }
 
 /// Elements of a part of a cut by the rules of a plan.
-fn by_rules(rules: &CutRules<'_>, ends: [[f64; 2]; 2], degree: usize) -> Vec<Piece> {
+fn by_rules(rules: &CutRules, ends: [[f64; 2]; 2], degree: usize) -> Vec<Piece> {
     let breaks: Vec<f64> = [0.0].into_iter().chain(rules.breaks(ends)).chain([1.0]).collect();
     breaks.windows(2).map(|s| Piece { start: s[0], end: s[1], degree, mark: Mark::Keep }).collect()
 }
@@ -285,7 +285,7 @@ fn planned(
     polygon: &Polygon,
     circles: &[([f64; 2], f64)],
     corners: &[[f64; 2]],
-    check: impl Fn(&CutRules<'_>, &CutPlan),
+    check: impl Fn(&CutRules, &CutPlan),
 ) -> CutPlan {
     let [low, high] = [f64::min, f64::max].map(|of| {
         let start = if of(0.0, 1.0) == 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
@@ -299,8 +299,8 @@ fn planned(
     let rules = CutRules {
         singular: corners.to_vec(),
         circles: circles.iter().map(|circle| (circle.0, continued_radius(circle.1, gap(circle)))).collect(),
-        graded: &|x| corners.contains(&x),
-        kept: &|_| false,
+        graded: corners.to_vec(),
+        kept: Vec::new(),
         degrees: [8, 10, 6],
         of_corner: 40,
     };

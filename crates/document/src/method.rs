@@ -2,8 +2,8 @@
 
 use steklov_contact::MultiplierDegree;
 use steklov_problem::{
-    DataErrorKind, Expectation, INDICATORS, MODELS, MULTIPLIER_MESHES, MULTIPLIERS, Method, Multiplier, REFINES,
-    SOLVERS,
+    CUTTINGS, DataErrorKind, Expectation, INDICATORS, MODELS, MULTIPLIER_MESHES, MULTIPLIERS, Method, Multiplier,
+    REFINES, SOLVERS,
 };
 
 use super::error::ReadError;
@@ -34,6 +34,7 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, ReadError> {
             "degree" => method.degree = field.whole(keys::DEGREE)?,
             "max_dofs" => method.max_dofs = Some(field.whole(keys::DOFS)?),
             "max_steps" => method.max_steps = field.whole(keys::STEPS)?,
+            "cuts" => method.cuts = field.choice(&CUTTINGS)?,
             "indicator" => method.indicator = field.choice(&INDICATORS)?,
             "estimators" => method.estimators = field.flag()?,
             "marking" => method.marking = auto(&field, &keys::SHARE)?,

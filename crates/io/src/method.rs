@@ -2,7 +2,7 @@
 
 use hdf5::Group;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
-use steklov_problem::{INDICATORS, MODELS, MULTIPLIERS, Method, REFINES, SOLVERS};
+use steklov_problem::{CUTTINGS, Cutting, INDICATORS, MODELS, MULTIPLIERS, Method, REFINES, SOLVERS};
 
 use crate::array::{load_integers, load_number, save_integers, save_number};
 use crate::dataset::label;
@@ -23,6 +23,7 @@ impl Persist for Method {
     fn write(&self, at: &Group) -> Result<(), IoError> {
         save_word(at, "model", &MODELS, &self.model, "discretisation")?;
         save_word(at, "refine", &REFINES, &self.refine, "refinement")?;
+        save_word(at, "cuts", &CUTTINGS, &self.cuts, "whether the body is cut into subdomains")?;
         save_word(at, "indicator", &INDICATORS, &self.indicator, "indicator of the error")?;
         save_word(at, "multiplier", &MULTIPLIERS, &self.multiplier, "space of multipliers")?;
         save_word(at, "solver", &SOLVERS, &self.solver, "solver of contact")?;
@@ -80,6 +81,8 @@ impl Persist for Method {
             max_dofs: optional_count("max_dofs")?,
             memory: optional_count("memory")?.map(|bytes| bytes as u64),
             max_steps: count("max_steps")?,
+            // files of earlier versions have none
+            cuts: if at.link_exists("cuts") { load_word(at, "cuts", &CUTTINGS)? } else { Cutting::None },
             indicator: load_word(at, "indicator", &INDICATORS)?,
             estimators: load_word(at, "estimators", &NO)?,
             marking: optional("marking")?,

@@ -200,6 +200,7 @@ fn methods_come_back_and_damaged_ones_are_refused() {
             max_dofs: Some(600),
             memory: Some(1 << 40),
             max_steps: 2,
+            cuts: Cutting::Auto,
             indicator: Indicator::Residual,
             estimators: true,
             marking: Some(0.5),
@@ -240,9 +241,17 @@ fn methods_come_back_and_damaged_ones_are_refused() {
         let wrong = Label { unit: "1", meaning: "wrong", axes: &["value"] };
         assert!(spoiled(&all[1], name, |at| save_integers(at, name, &[value], &wrong)).contains(name), "{name}");
     }
-    for name in
-        ["model", "refine", "indicator", "multiplier", "solver", "estimators", "multiplier_mesh", "multiplier_kind"]
-    {
+    for name in [
+        "model",
+        "refine",
+        "cuts",
+        "indicator",
+        "multiplier",
+        "solver",
+        "estimators",
+        "multiplier_mesh",
+        "multiplier_kind",
+    ] {
         assert!(spoiled(&all[1], name, |at| save_text(at, name, "nothing", "wrong")).contains("nothing"), "{name}");
     }
 }

@@ -12,8 +12,10 @@ use crate::solve::stabilised::StabilisedSystem;
 
 /// The data that a step passes to its observer while it has them.
 pub enum Stage<'a> {
-    /// V, K, W, M of a body of this number, and the space they belong to.
+    /// V, K, W, M of a body, or of a subdomain, of this number, and the space they belong to.
     Operators(usize, &'a Operators),
+    /// The number of each node of a subdomain of this number among all: those of the boundary, then those on cuts.
+    Nodes(usize, &'a [usize]),
     /// S of a body of this number.
     Steklov(usize, &'a Mat<f64>),
     /// A sparse stiffness matrix and its load: its name and the meaning of n in its unknowns 2·n + component.

@@ -34,7 +34,8 @@ use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_coupling::Radiation;
 use steklov_elastic::Plane;
 use steklov_model::estimate::error_estimate::is_estimated;
-use steklov_model::mesh::first_mesh::first_mesh;
+use steklov_model::mesh::automatic_cuts::planned_cuts;
+use steklov_model::mesh::layout::Layout;
 use steklov_model::run::memory::{Lack, memory_bytes};
 use steklov_problem::{
     Drawn, Friction, Interface, Law, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver, facets,
@@ -144,8 +145,8 @@ pub(crate) fn plane(scene: &Scene) -> &'static str {
 /// The plan of boundary elements.
 fn boundary_plan(scene: &Scene) -> Plan {
     let method = &scene.method;
-    let mesh = first_mesh(scene);
-    let dofs = 2 * mesh.degree.iter().sum::<usize>();
+    let layout = Layout::first(scene);
+    let dofs = layout.dofs();
     let plane = match scene.body().material().plane {
         Plane::Strain => "plane strain",
         Plane::Stress => "plane stress, as plane strain with E(1+2ν)/(1+ν)² and ν/(1+ν)",
@@ -153,7 +154,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
     let mut modelled = vec![
         discretisation(scene),
         decision("plane", plane, "as the scene says"),
-        elements(scene, mesh.len()),
+        elements(scene, &layout),
         decision(
             "degree",
             format!("{} for displacements, {} for tractions", method.degree, method.degree - 1),
@@ -162,13 +163,14 @@ fn boundary_plan(scene: &Scene) -> Plan {
         refinement(method),
         decision(
             "length in log(L/r)",
-            format!("{}", mesh.diameter()),
+            length_of_logarithm(scene, &layout),
             "the diameter keeps the single layer matrix positive definite at any size",
         ),
     ];
     modelled.extend(polygons_for_curves(scene));
     modelled.extend(scene.problem.joints().map(|interface| joint(scene, interface)));
     let mut left_out = Vec::new();
+    cuts(scene, &layout, &mut modelled, &mut left_out);
     contact(scene, &mut modelled, &mut left_out);
     far_away(scene, &mut modelled, &mut left_out);
     supports::decide(scene, &mut modelled);
@@ -195,7 +197,17 @@ fn boundary_plan(scene: &Scene) -> Plan {
             "one large mesh: it would take several times the time and memory of the solution; any other refine has one",
         ));
     }
-    Plan { model: "bem".into(), modelled, left_out, cost: cost(scene, &mesh, dofs, estimated) }
+    Plan { model: "bem".into(), modelled, left_out, cost: cost(scene, &layout, estimated) }
+}
+
+/// The length in the logarithm of the kernel.
+fn length_of_logarithm(scene: &Scene, layout: &Layout) -> String {
+    let outline = &scene.problem.outline;
+    match layout.subdivision.mesh(outline) {
+        _ if layout.cuts.is_some() => "that of each subdomain".to_owned(),
+        Ok(mesh) => mesh.diameter().to_string(),
+        Err(_) => outline.diameter().to_string(),
+    }
 }
 
 fn decision(what: &str, choice: impl Into<String>, why: impl Into<String>) -> Decision {
@@ -304,15 +316,42 @@ fn body_forces(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<D
     }
 }
 
-/// The cost of the first mesh of boundary elements.
-fn cost(scene: &Scene, mesh: &Mesh, dofs: usize, estimated: bool) -> Cost {
-    let (n, x) = (dofs as f64, if estimated { 2.0 * mesh.len() as f64 } else { 0.0 });
-    let mut operations = n * n * (n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0) + 6.0 * x);
-    if scene.is_inclusion() {
-        // the medium has matrices of its own, but one factorisation of the sum
-        operations += n * n * (n * (1.0 / 3.0 + 1.0 + 1.0) + 6.0 * x);
+/// Adds the decision about cuts: how many subdomains, and the cost of a mesh at the wanted error without cuts and with them.
+fn cuts(scene: &Scene, layout: &Layout, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
+    const WHAT: &str = "subdomains";
+    match planned_cuts(scene) {
+        Err(why) => left_out.push(decision(WHAT, "none", why)),
+        Ok(plan) => {
+            let ([uncut, largest, skeleton], [before, after]) = (plan.unknowns, plan.cost);
+            let gigabytes = plan.bytes.map(|bytes| bytes / 1e9);
+            let why = format!(
+                "a mesh at the wanted error has about {uncut} unknowns without cuts; with them at most {largest} in a subdomain and \
+                 {skeleton} on cuts, {:.0} times fewer operations, {:.3} GB of matrices for {:.3} GB; on the first mesh {} on cuts",
+                before / after,
+                gigabytes[1],
+                gigabytes[0],
+                layout.dofs_on_cuts(),
+            );
+            modelled.push(decision(WHAT, format!("{} along {} lines", plan.subdomains, plan.lines.len()), why));
+        }
     }
-    Cost { elements: mesh.len(), dofs, memory_bytes: memory_bytes(scene, mesh.len(), dofs), operations }
+}
+
+/// The cost of the first mesh of boundary elements.
+fn cost(scene: &Scene, layout: &Layout, estimated: bool) -> Cost {
+    let of = |[elements, dofs]: [usize; 2]| {
+        let (n, x) = (dofs as f64, if estimated { 2.0 * elements as f64 } else { 0.0 });
+        let own = n * n * (n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0) + 6.0 * x);
+        // the medium has matrices of its own, but one factorisation of the sum
+        if scene.is_inclusion() { own + n * n * (n * (1.0 / 3.0 + 1.0 + 1.0) + 6.0 * x) } else { own }
+    };
+    let of_skeleton = (layout.dofs_on_cuts() as f64).powi(3) / 3.0;
+    Cost {
+        elements: layout.subdivision.elements(),
+        dofs: layout.dofs(),
+        memory_bytes: memory_bytes(scene, layout),
+        operations: of_skeleton + layout.sizes(&scene.problem).into_iter().map(of).sum::<f64>(),
+    }
 }
 
 /// Adds the decisions about the far field of an unbounded medium.
@@ -361,10 +400,13 @@ fn polygons_for_curves(scene: &Scene) -> Vec<Decision> {
 }
 
 /// The decision about the number of elements.
-fn elements(scene: &Scene, number: usize) -> Decision {
-    let wanted = scene.first_elements();
+fn elements(scene: &Scene, layout: &Layout) -> Decision {
+    let (number, wanted) = (layout.subdivision.elements(), scene.first_elements());
     let uniform = Mesh::uniform(&scene.problem.outline, wanted, scene.method.degree).len();
     let why = match (uniform > wanted, number > uniform) {
+        _ if layout.cuts.is_some() => {
+            "every edge needs one, kinks and jumps of the data and ends of cuts need vertices of their own"
+        }
         (false, false) => "equal on an edge, the longest edges first",
         (true, false) => "every straight edge needs one",
         (false, true) => "the data have kinks or jumps, which need vertices of their own",

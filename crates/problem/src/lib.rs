@@ -77,8 +77,8 @@ pub use far_field::FarField;
 pub use grid_fit::{check_body, grid_of};
 pub use medium::Surroundings;
 pub use method::{
-    Expectation, INDICATORS, Indicator, MODELS, MULTIPLIER_MESHES, MULTIPLIERS, Method, Model, Multiplier, REFINES,
-    Refine, SOLVERS, Solver,
+    CUTTINGS, Cutting, Expectation, INDICATORS, Indicator, MODELS, MULTIPLIER_MESHES, MULTIPLIERS, Method, Model,
+    Multiplier, REFINES, Refine, SOLVERS, Solver,
 };
 pub use moduli::{check_modulus_cells, field_cells, moduli, modulus_cells, poisson_ratios};
 pub use probe::{MOST_POINTS, ProbeLine, Spot};

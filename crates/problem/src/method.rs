@@ -43,6 +43,15 @@ pub enum Refine {
     None,
 }
 
+/// Whether a body is cut into subdomains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cutting {
+    /// Where it costs less.
+    Auto,
+    /// Never.
+    None,
+}
+
 /// Error indicator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Indicator {
@@ -93,6 +102,8 @@ pub struct Method {
     pub memory: Option<u64>,
     /// Largest number of adaptive steps.
     pub max_steps: usize,
+    /// Whether the body is cut into subdomains.
+    pub cuts: Cutting,
     /// Indicator of the error.
     pub indicator: Indicator,
     /// Whether the residual estimators are reported as numbers, whatever steers the refinement.
@@ -124,6 +135,7 @@ impl Default for Method {
             max_dofs: None,
             memory: None,
             max_steps: 60,
+            cuts: Cutting::None,
             indicator: Indicator::Bubble,
             estimators: false,
             marking: None,
@@ -203,6 +215,9 @@ pub const REFINES: [(&str, Refine); 6] = [
 /// Every solver of contact and its word.
 pub const SOLVERS: [(&str, Solver); 4] =
     [("auto", Solver::Auto), ("newton", Solver::Newton), ("active-set", Solver::ActiveSet), ("uzawa", Solver::Uzawa)];
+
+/// Every choice about cuts and its word.
+pub const CUTTINGS: [(&str, Cutting); 2] = [("auto", Cutting::Auto), ("none", Cutting::None)];
 
 /// Every indicator and its word.
 pub const INDICATORS: [(&str, Indicator); 2] = [("bubble", Indicator::Bubble), ("residual", Indicator::Residual)];

@@ -5,7 +5,8 @@ mod saved_outcomes;
 mod stabilisation;
 
 use steklov_io::{
-    File, Group, IoError, copy, create_group, invalid, label, open_group, save, save_dense, save_sparse, save_vector,
+    File, Group, IoError, copy, create_group, invalid, label, open_group, save, save_dense, save_integers, save_sparse,
+    save_vector,
 };
 use steklov_model::stage::Stage;
 
@@ -23,6 +24,12 @@ pub(crate) fn step_group(file: &File, number: usize) -> Result<Group, IoError> {
 /// The group `matrices` of a step, created if missing.
 fn matrices(step: &Group) -> Result<Group, IoError> {
     if step.link_exists("matrices") { open_group(step, "matrices") } else { create_group(step, "matrices") }
+}
+
+/// The group of a body or a subdomain in them, which is there.
+fn body_group(step: &Group, body: usize) -> Result<Group, IoError> {
+    let of_step = matrices(step)?;
+    if body == 0 { Ok(of_step) } else { open_group(&of_step, &format!("body_{body}")) }
 }
 
 /// Groups of a step.
@@ -93,15 +100,17 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>, saved: &[Saved]
         Stage::Operators(0, operators) => save(&step, "matrices", *operators),
         // each body after the first has a group of its own
         Stage::Operators(body, operators) => save(&matrices(&step)?, &format!("body_{body}"), *operators),
+        Stage::Nodes(body, nodes) => {
+            let meaning = "number of each node of the subdomain: those of /solution/points, then those on cuts";
+            save_integers(&body_group(&step, *body)?, "nodes", nodes, &label("1", meaning, &["node of the subdomain"]))
+        }
         Stage::Steklov(body, s) => {
             let meaning = label(
                 "stress",
                 "Steklov-Poincare operator <S u, v>, without springs: S = W + (M/2 + K)^T V^-1 (M/2 + K); of a medium bounded at infinity S_B = S - S 1 (1^T S 1)^-1 1^T S, 1 the translations; with a medium tied on the same mesh that of the medium in it",
                 &[DISPLACEMENT, DISPLACEMENT],
             );
-            let of_step = matrices(&step)?;
-            let at = if *body == 0 { of_step } else { open_group(&of_step, &format!("body_{body}"))? };
-            save_dense(&at, "S", s.as_ref(), &meaning)
+            save_dense(&body_group(&step, *body)?, "S", s.as_ref(), &meaning)
         }
         Stage::Stiffness(name, unknowns, matrix, load) => {
             let (at, axis) = (matrices(&step)?, format!("displacement unknown: 2 {unknowns} + component"));

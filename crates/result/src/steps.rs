@@ -1,6 +1,7 @@
 //! The steps of a run in the result file, and back.
 
 mod check;
+mod cuts;
 
 use faer::Mat;
 use steklov_bem_operators::Mesh;
@@ -42,6 +43,8 @@ pub(crate) fn save(at: &Group, step: &Step<BoundaryElements>) -> Result<(), IoEr
     if let Some(estimate) = &step.estimate {
         save_estimate(at, estimate)?;
     }
+    let of_cuts = step.estimate.as_ref().map_or(&[][..], |estimate| &estimate.of_cuts);
+    cuts::save(at, step.layout.cuts.as_ref(), of_cuts)?;
     save_tips(at, &step.layout.tips)?;
     save_transitions(at, &step.layout.located)
 }
@@ -126,7 +129,7 @@ pub(crate) fn name(number: usize) -> String {
 pub(crate) fn load_all(file: &File, scene: &Scene) -> Result<Vec<Step<BoundaryElements>>, IoError> {
     let groups = groups(file)?;
     let load = |at: &Group| {
-        let step = load_step(at)?;
+        let step = load_step(at, scene)?;
         check::check(at, &step, scene)?;
         Ok(step)
     };
@@ -164,14 +167,15 @@ pub fn meshes(file: &File) -> Result<Vec<(usize, Mesh)>, IoError> {
     groups(file)?.iter().filter(|at| at.link_exists("mesh")).map(load).collect()
 }
 
-fn load_step(at: &Group) -> Result<Step<BoundaryElements>, IoError> {
+fn load_step(at: &Group, scene: &Scene) -> Result<Step<BoundaryElements>, IoError> {
     let seconds = load_vector(at, "seconds")?;
     let dofs = load_integers(at, "dofs")?;
     let ([dofs], Ok(seconds)) = (dofs.as_slice(), <[f64; 5]>::try_from(seconds.as_slice())) else {
         return Err(invalid(at, "seconds", "one number of dofs and five of seconds belong here"));
     };
     let mesh: Mesh = load(at, "mesh")?;
-    let estimate = if at.link_exists("estimate") { Some(load_estimate(at, mesh.len())?) } else { None };
+    let (cuts, of_cuts) = cuts::load(at, scene)?;
+    let estimate = if at.link_exists("estimate") { Some(load_estimate(at, mesh.len(), of_cuts)?) } else { None };
     Ok(Step {
         dofs: *dofs,
         energy: load_number(at, "energy")?,
@@ -180,12 +184,12 @@ fn load_step(at: &Group) -> Result<Step<BoundaryElements>, IoError> {
         converged: true,
         history: load_vector(at, "history")?,
         estimate,
-        layout: RefinedMesh { mesh, tips: load_tips(at)?, located: load_transitions(at)?, cuts: None },
+        layout: RefinedMesh { mesh, tips: load_tips(at)?, located: load_transitions(at)?, cuts },
         seconds,
     })
 }
 
-fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
+fn load_estimate(at: &Group, elements: usize, of_cuts: Vec<Bubble>) -> Result<Estimate, IoError> {
     let group = open_group(at, "indicators")?;
     let column = |name: &str| -> Result<Vec<f64>, IoError> {
         let values = load_vector(&group, name)?;
@@ -194,9 +198,7 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
             n => Err(invalid(&group, name, format!("{n} indicators of {elements} elements"))),
         }
     };
-    let [u, t, g] = BUBBLE_TERMS.map(|(name, ..)| column(name));
-    let (u, t, g) = (u?, t?, g?);
-    let indicators = (0..elements).map(|e| Bubble { displacement: u[e], traction: t[e], oscillation: g[e] }).collect();
+    let indicators = cuts::indicators(&group, elements)?;
     let residuals = if group.link_exists(ON_BOUNDARY[0].0) {
         let mut columns = Vec::new();
         for (name, _) in ON_BOUNDARY {
@@ -216,7 +218,7 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
         .map(|word| Doubt::of_word(&word).ok_or_else(|| invalid(at, "doubts", format!("unknown doubt {word:?}"))));
     Ok(Estimate {
         indicators,
-        of_cuts: Vec::new(),
+        of_cuts,
         residuals,
         correction,
         tips,

@@ -5,8 +5,8 @@ mod material;
 mod random;
 
 use steklov_problem::{
-    BASES, BasisInput, INDICATORS, MODELS, MOST_CELLS, MOST_POINTS, MULTIPLIER_MESHES, MULTIPLIERS, Method, REFINES,
-    SOLVERS,
+    BASES, BasisInput, CUTTINGS, INDICATORS, MODELS, MOST_CELLS, MOST_POINTS, MULTIPLIER_MESHES, MULTIPLIERS, Method,
+    REFINES, SOLVERS,
 };
 use steklov_stochastic::Kernel;
 
@@ -275,6 +275,13 @@ pub(super) static METHOD: Table = table(
         )
         .or(|| Method::default().max_dofs().to_string()),
         key("max_steps", Form::Whole(STEPS), "", "Most adaptive steps.").or(|| Method::default().max_steps.to_string()),
+        key(
+            "cuts",
+            Words(&words(&CUTTINGS)),
+            "",
+            "Whether the body is cut into subdomains; auto does so where it costs less.",
+        )
+        .or(|| quoted(&CUTTINGS, Method::default().cuts)),
         key("indicator", Words(&words(&INDICATORS)), "", "Error indicator of refine = \"hp-decay\" and \"h\".")
             .or(|| quoted(&INDICATORS, Method::default().indicator)),
         key("estimators", Flag, "", "Whether residual estimators are told beside the estimate.")

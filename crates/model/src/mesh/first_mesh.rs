@@ -5,6 +5,7 @@ use steklov_elastic::plane::{angle, minus};
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Law, Refine, Scene, Span, Springs};
 
+use crate::mesh::automatic_cuts::automatic_cuts;
 use crate::mesh::layout::Layout;
 
 /// Angles on curves that differ by less are the same (radian): their numbers are seldom written with more digits.
@@ -24,7 +25,7 @@ const STEEP: f64 = 0.05;
 const SEEN: f64 = 0.2;
 
 impl Layout {
-    /// The first mesh; of the hp strategy with vertices at the kinks of the data.
+    /// The first mesh; of the hp strategy with vertices at the kinks of the data, and cut into subdomains where that pays.
     pub fn first(scene: &Scene) -> Self {
         let mesh = Mesh::uniform(&scene.problem.outline, scene.first_elements(), scene.method.degree);
         let mut subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
@@ -56,7 +57,11 @@ impl Layout {
             }
         }
         halve_single(&mut subdivision, scene);
-        Self { subdivision, tips: Vec::new(), cuts: None }.with_equal_cuts(&scene.problem)
+        let cuts = automatic_cuts(scene);
+        for (edge, s) in cuts.iter().flat_map(|cuts| cuts.cuts.ends()) {
+            subdivision.insert(edge, s, &[], 0.0);
+        }
+        Self { subdivision, tips: Vec::new(), cuts }.with_equal_cuts(&scene.problem)
     }
 }
 

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use steklov_bem_operators::{Cuts, Mark, Mesh, Piece, Subdivision};
+use steklov_bem_operators::{Cuts, Mark, Mesh, Piece, Space, Subdivision};
 use steklov_contact::Tip;
-use steklov_problem::{DataError, DataErrorKind, Indicator, Multiplier, Problem, Refine, Scene};
+use steklov_problem::{DataError, DataErrorKind, Problem, Scene};
+
+use crate::mesh::automatic_cuts::hindrance;
 
 /// A mesh to be solved: its elements, and the vertices that follow transitions of contact and stick.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,18 +53,9 @@ impl MeshedCuts {
     /// Several bodies, a medium, springs, random input, stabilised multipliers, residuals that steer, or another
     /// refinement than that of the hp strategy.
     pub(crate) fn check(&self, scene: &Scene) -> Result<(), DataError> {
-        let (problem, method) = (&scene.problem, &scene.method);
-        let found = [
-            (problem.bodies.len() > 1 || problem.bodies[0].far.is_some(), "body", "several bodies or a medium"),
-            (problem.has_springs(), "sides", "springs"),
-            (scene.random.is_some(), "random", "random input"),
-            (method.multiplier != Multiplier::Biorthogonal, "method", "stabilised multipliers"),
-            (method.indicator != Indicator::Bubble, "method", "a residual indicator"),
-            (!matches!(method.refine, Refine::None | Refine::Hp), "method", "refinement other than \"hp\""),
-        ];
-        match found.into_iter().find(|(is, ..)| *is) {
+        match hindrance(scene) {
             None => Ok(()),
-            Some((_, key, what)) => {
+            Some((key, what)) => {
                 let message = format!("a body that is cut into {} subdomains cannot have {what}", self.cuts.count());
                 Err(DataError::at(DataErrorKind::Unsupported, &[vec![key]], message, "solve it without cuts"))
             }
@@ -80,6 +73,20 @@ impl Layout {
         // a part of a cut has one node less than degrees: its ends are nodes of the boundary or of other parts
         let inside = |pieces: &Vec<Piece>| 2 * (pieces.iter().map(|piece| piece.degree).sum::<usize>() - 1);
         self.subdivision.dofs() + on_cuts.map(inside).sum::<usize>()
+    }
+
+    /// Displacement unknowns on cuts, those at ends on the boundary apart.
+    pub fn dofs_on_cuts(&self) -> usize {
+        self.dofs() - self.subdivision.dofs()
+    }
+
+    /// Elements and displacement unknowns of every subdomain; of a body that is not cut those of all.
+    pub fn sizes(&self, problem: &Problem) -> Vec<[usize; 2]> {
+        if let (Some(cuts), Ok(mesh)) = (&self.cuts, self.subdivision.mesh(&problem.outline)) {
+            let (subdomains, _) = cuts.cuts.subdomains(&mesh, &Space::new(&mesh), &cuts.elements);
+            return subdomains.iter().map(|one| [one.mesh.len(), one.space.dofs()]).collect();
+        }
+        vec![[self.subdivision.elements(), self.dofs()]]
     }
 
     /// The layout with the same elements on both sides of cuts: all vertices of both, and the higher degree. Both sides then

@@ -59,7 +59,7 @@ impl Progress<BoundaryElements> {
 
     /// The memory that the next mesh lacks if its matrices do not fit into the memory that the method may take.
     pub fn lack(&self, scene: &Scene) -> Option<Lack> {
-        lack_of(scene, &self.next)
+        lack(scene, &self.next)
     }
 
     /// The state before the last of these steps was solved; None without steps. Solving it again gives the same bits and the
@@ -118,10 +118,6 @@ fn still_falls(steps: &[Step<BoundaryElements>]) -> bool {
 
 /// Part of the estimate before below which an estimate falls.
 const FALLS: f64 = 0.5;
-
-fn lack_of(scene: &Scene, layout: &Layout) -> Option<Lack> {
-    lack(scene, layout.subdivision.elements(), layout.dofs())
-}
 
 impl Model for BoundaryElements {
     type Layout = Layout;
@@ -210,7 +206,7 @@ impl Model for BoundaryElements {
             _ if reached(step) && confirmed => Reason::Tolerance,
             _ if unchanged || exact && !still_falls(steps) => Reason::Roundoff,
             _ if steps.len() >= method.max_steps => Reason::MaxSteps,
-            _ if next.is_some_and(|next| next.dofs() > method.max_dofs() || lack_of(scene, next).is_some()) => {
+            _ if next.is_some_and(|next| next.dofs() > method.max_dofs() || lack(scene, next).is_some()) => {
                 Reason::MaxDofs
             }
             _ => return None,
@@ -239,6 +235,6 @@ impl Model for BoundaryElements {
 
     fn lack(scene: &Scene, run: &Run<BoundaryElements>) -> Option<Lack> {
         let small = run.progress.next.dofs() <= scene.method.max_dofs();
-        lack_of(scene, &run.progress.next).filter(|_| small && run.reason == Reason::MaxDofs)
+        lack(scene, &run.progress.next).filter(|_| small && run.reason == Reason::MaxDofs)
     }
 }

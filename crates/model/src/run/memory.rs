@@ -3,13 +3,19 @@
 use steklov_problem::Scene;
 
 use crate::estimate::error_estimate::is_estimated;
+use crate::mesh::layout::Layout;
 
-/// Bytes of the matrices that a mesh needs at once: V, K, W and, for an estimate, six blocks of the enriched spaces.
-pub fn memory_bytes(scene: &Scene, elements: usize, dofs: usize) -> u64 {
-    let x = if is_estimated(scene, dofs) { 2.0 * elements as f64 } else { 0.0 };
-    let n = dofs as f64;
-    let one = (8.0 * (3.0 * n * n + 3.0 * n * x + 3.0 * x * x)) as u64;
-    if scene.is_inclusion() { 2 * one } else { one }
+/// Bytes of the matrices that a mesh needs at once: V, K, W and, for an estimate, six blocks of the enriched spaces; of a body that
+/// is cut those of all subdomains, and the matrix of the unknowns on cuts.
+pub fn memory_bytes(scene: &Scene, layout: &Layout) -> u64 {
+    let estimated = is_estimated(scene, layout.dofs());
+    let bytes = |[elements, dofs]: [usize; 2]| {
+        let (n, x) = (dofs as f64, if estimated { 2.0 * elements as f64 } else { 0.0 });
+        (8.0 * (3.0 * n * n + 3.0 * n * x + 3.0 * x * x)) as u64
+    };
+    let of_skeleton = 8 * (layout.dofs_on_cuts() as u64).pow(2);
+    let all = layout.sizes(&scene.problem).into_iter().map(bytes).sum::<u64>() + of_skeleton;
+    if scene.is_inclusion() { 2 * all } else { all }
 }
 
 /// A mesh whose matrices do not fit into the memory that the method may take.
@@ -24,7 +30,8 @@ pub struct Lack {
 }
 
 /// The memory that a mesh lacks; none if it fits.
-pub(crate) fn lack(scene: &Scene, elements: usize, dofs: usize) -> Option<Lack> {
-    let (needed, left) = (memory_bytes(scene, elements, dofs), scene.method.memory?);
-    (needed > left).then_some(Lack { dofs, needed, left })
+pub(crate) fn lack(scene: &Scene, layout: &Layout) -> Option<Lack> {
+    let left = scene.method.memory?;
+    let needed = memory_bytes(scene, layout);
+    (needed > left).then_some(Lack { dofs: layout.dofs(), needed, left })
 }

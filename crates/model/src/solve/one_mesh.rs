@@ -68,6 +68,7 @@ fn assemble(
     let scene = data.scene;
     let (mut matrices, mut bodies) = (Vec::new(), Vec::new());
     let share = 1.0 / pieces.len() as f64;
+    let is_cut = pieces.len() > 1 && !scene.problem.has_several_bodies();
     for (k, piece) in pieces.into_iter().enumerate() {
         let clock = Instant::now();
         observe(Stage::Progress("assembling V, K, W", 0.05 + 0.7 * share * k as f64))?;
@@ -75,6 +76,9 @@ fn assemble(
         let length = operators.length;
         seconds.assemble += clock.elapsed().as_secs_f64();
         observe(Stage::Operators(k, &operators))?;
+        if is_cut {
+            observe(Stage::Nodes(k, &piece.part.nodes))?;
+        }
 
         let clock = Instant::now();
         observe(Stage::Progress("Steklov-Poincaré matrix", 0.05 + 0.7 * share * (k as f64 + 0.35)))?;
@@ -181,8 +185,8 @@ fn add_springs(
     Some(largest)
 }
 
-/// Solves the scene on a mesh, with cuts into subdomains or as it is; `estimated`: an estimate is to follow. Moments of pairs of elements are taken from `cache` where
-/// it has them.
+/// Solves the scene on a mesh, with cuts into subdomains or as it is; `estimated`: an estimate is to follow. Moments of pairs
+/// of elements are taken from `cache` where it has them.
 ///
 /// # Errors
 /// Data that are not finite, a free rigid motion that the loads drive, an observer that fails.

@@ -1,10 +1,11 @@
 //! Checks that the steps of a file are steps of a scene, because a file may come from anywhere.
 
-use steklov_bem_operators::{Mark, Mesh, Subdivision};
+use steklov_bem_operators::{Mark, Mesh, SAME_PLACE, Subdivision};
 use steklov_contact::TipKind;
 use steklov_io::{Group, IoError, invalid, open_group};
+use steklov_model::mesh::layout::Layout;
 use steklov_model::run::adaptive_loop::Step;
-use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::run::boundary_elements::{BoundaryElements, RefinedMesh};
 use steklov_problem::Scene;
 
 /// Checks the step that was read from the group `at`: the numbers are possible, its mesh is one of the scene's polygon,
@@ -19,7 +20,15 @@ pub(super) fn check(at: &Group, step: &Step<BoundaryElements>, scene: &Scene) ->
         }
     }
     check_mesh(&open_group(at, "mesh")?, &step.layout.mesh, scene)?;
-    let dofs = 2 * step.layout.mesh.degree.iter().sum::<usize>();
+    let RefinedMesh { mesh, tips, cuts, .. } = &step.layout;
+    let subdivision = Subdivision::new(mesh, &vec![Mark::Keep; mesh.len()]);
+    let ends = cuts.iter().flat_map(|cuts| cuts.cuts.ends());
+    for (edge, s) in ends {
+        if subdivision.edges[edge].iter().all(|piece| (piece.start - s).abs() > SAME_PLACE) {
+            return Err(invalid(at, "cuts", format!("the mesh has no vertex where a cut ends, {s} along edge {edge}")));
+        }
+    }
+    let dofs = Layout { subdivision, tips: tips.clone(), cuts: cuts.clone() }.dofs();
     if step.dofs != dofs {
         return Err(invalid(at, "dofs", format!("{}, but the mesh has {dofs}", step.dofs)));
     }

@@ -1,0 +1,160 @@
+//! Where a scene is cut into subdomains, and the first elements of the cuts.
+
+use std::sync::Arc;
+
+use steklov_bem_operators::{CutPlan, CutRules, Cuts, Edge, Piece, continued_radius};
+use steklov_elastic::plane::{angle, distance};
+use steklov_problem::{Condition, Cutting, Indicator, Multiplier, Refine, Scene};
+
+use crate::mesh::first_mesh::singular_points;
+use crate::mesh::layout::MeshedCuts;
+
+/// Energy error of cuts that the degrees of a first mesh allow for.
+const FIRST: f64 = 0.1;
+/// Smallest gain for which a body is cut: predicted operations without cuts over those with them.
+const GAIN: f64 = 1.5;
+/// A body with fewer unknowns is not cut.
+const FEWEST: usize = 600;
+/// Growth of the error of an element on a smooth part of the boundary by a degree less.
+const DECAY: f64 = 2.5;
+/// Layers of elements beside a corner for each factor of ten of the error.
+const LAYERS: f64 = 1.5;
+/// Corners turn by more than this (radian).
+const STRAIGHT: f64 = 1e-9;
+
+/// The first of the properties of a scene with which its body cannot be cut: the key, and its name.
+pub(crate) fn hindrance(scene: &Scene) -> Option<(&'static str, &'static str)> {
+    let (problem, method) = (&scene.problem, &scene.method);
+    let all = [
+        (problem.bodies.len() > 1 || problem.bodies[0].far.is_some(), "body", "several bodies or a medium"),
+        (problem.has_springs(), "sides", "springs"),
+        (scene.random.is_some(), "random", "random input"),
+        (method.multiplier != Multiplier::Biorthogonal, "method", "stabilised multipliers"),
+        (method.indicator != Indicator::Bubble, "method", "a residual indicator"),
+        (method.estimators, "method", "residual estimators"),
+        (!matches!(method.refine, Refine::None | Refine::Hp), "method", "refinement other than \"hp\""),
+    ];
+    all.into_iter().find(|(is, ..)| *is).map(|(_, key, what)| (key, what))
+}
+
+/// The plan of cuts of a scene.
+///
+/// # Errors
+/// Why it is not cut: cuts are not wanted, not possible, or do not pay.
+pub fn planned_cuts(scene: &Scene) -> Result<CutPlan, String> {
+    plan(scene).map(|(plan, _)| plan)
+}
+
+/// The cuts of a scene with their first elements.
+pub(crate) fn automatic_cuts(scene: &Scene) -> Option<MeshedCuts> {
+    let (plan, rules) = plan(scene).ok()?;
+    let cuts = Cuts::new(&scene.problem.outline, &plan.lines).ok()?;
+    let elements = cuts.parts().into_iter().map(|ends| elements_of(&rules, ends, scene.method.degree)).collect();
+    Some(MeshedCuts { cuts: Arc::new(cuts), elements })
+}
+
+fn plan(scene: &Scene) -> Result<(CutPlan, CutRules), String> {
+    if scene.method.cuts == Cutting::None {
+        return Err("as the scene says".to_owned());
+    }
+    if let Some((_, what)) = hindrance(scene) {
+        return Err(format!("a scene with {what} has none"));
+    }
+    if scene.method.refine == Refine::None {
+        return Err("one mesh that the scene asks for is solved".to_owned());
+    }
+    let rules = rules(scene);
+    let plan = scene.problem.outline.plan_cuts(&rules);
+    let (unknowns, gain) = (plan.unknowns[0], plan.cost[0] / plan.cost[1]);
+    if unknowns < FEWEST {
+        return Err(format!("about {unknowns} unknowns at the wanted error: cuts pay from {FEWEST} on"));
+    }
+    if plan.lines.is_empty() || gain < GAIN {
+        return Err("no cuts that cost less were found".to_owned());
+    }
+    Ok((plan, rules))
+}
+
+fn rules(scene: &Scene) -> CutRules {
+    let (singular, graded) = singular(scene);
+    let tolerance = scene.method.tolerance();
+    let smooth = (-tolerance.ln() / DECAY.ln()).ceil().max(2.0) as usize;
+    let layers = (LAYERS * -tolerance.log10()).ceil().max(1.0) as usize;
+    CutRules {
+        singular,
+        circles: circles(scene.problem.outline.edges()),
+        graded,
+        kept: scene.contacts().map(|(side, _)| side).collect(),
+        degrees: [smooth, smooth + 1, smooth],
+        of_corner: layers * (layers + 3),
+    }
+}
+
+/// The first elements of a part of a cut.
+fn elements_of(rules: &CutRules, ends: [[f64; 2]; 2], least: usize) -> Vec<Piece> {
+    let vertices: Vec<f64> = [0.0].into_iter().chain(rules.breaks(ends)).chain([1.0]).collect();
+    let at = |s: f64| [0, 1].map(|i| ends[0][i] + s * (ends[1][i] - ends[0][i]));
+    let of = |s: &[f64]| {
+        let degree = rules.degree([at(s[0]), at(s[1])], FIRST).max(least);
+        Piece { start: s[0], end: s[1], degree, mark: Default::default() }
+    };
+    vertices.windows(2).map(of).collect()
+}
+
+/// The points at which the solution is singular, and those of them to which meshes are graded, corners.
+fn singular(scene: &Scene) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
+    let outline = &scene.problem.outline;
+    let edges = outline.edges();
+    let mut graded = Vec::new();
+    for (k, places) in singular_points(scene, false).iter().enumerate() {
+        let (next, _) = outline.neighbour(k, !edges[k].reversed);
+        if places.contains(&edges[k].at_end()) && is_singular(scene, &edges[k], &edges[next]) {
+            graded.push(edges[k].end);
+        }
+    }
+    let mut all = graded.clone();
+    for (edge, places) in edges.iter().zip(singular_points(scene, true)) {
+        all.extend(places.into_iter().filter(|s| *s > 0.0 && *s < 1.0).map(|s| edge.point(s)));
+    }
+    (all, graded)
+}
+
+/// Whether a corner is re-entrant, or conditions change there. At a convex one between free or loaded sides the solution is smooth
+/// enough.
+fn is_singular(scene: &Scene, before: &Edge, behind: &Edge) -> bool {
+    let turn = angle(before.tangent(before.at_end()), behind.tangent(1.0 - behind.at_end()));
+    let is_loaded = |edge: &Edge| {
+        let condition = &scene.problem.sides[edge.side].condition;
+        !matches!(condition, Condition::Displacement { .. }) && scene.contact(edge.side).is_none()
+    };
+    turn <= STRAIGHT || !is_loaded(before) || !is_loaded(behind)
+}
+
+/// The circles up to which the solution continues into holes: of each curved edge that is concave, shrunk by its distance from the
+/// rest of the boundary.
+fn circles(edges: &[Edge]) -> Vec<([f64; 2], f64)> {
+    let mut circles: Vec<([f64; 2], f64)> = Vec::new();
+    for edge in edges.iter().filter(|edge| !edge.is_line()) {
+        // a circle has one centre, other curves one for each of these places
+        let places: &[f64] = if edge.is_arc_length() { &[0.5] } else { &[0.0, 0.25, 0.5, 0.75, 1.0] };
+        for &s in places {
+            let curvature = edge.curvature(s);
+            if curvature >= 0.0 {
+                continue;
+            }
+            let (x, outward, radius) = (edge.point(s), edge.normal(s), -curvature.recip());
+            let centre = [0, 1].map(|i| x[i] + radius * outward[i]);
+            let near = 1e-9 * radius;
+            if circles.iter().any(|(c, _)| distance(*c, centre) < near) {
+                continue;
+            }
+            let gap = edges
+                .iter()
+                .filter(|other| other.loop_index != edge.loop_index)
+                .fold(f64::INFINITY, |gap, other| other.nearest(centre, gap).map_or(gap, |(d, _)| d));
+            let gap = if gap.is_finite() { (gap - radius).max(0.0) } else { 2.0 * radius };
+            circles.push((centre, continued_radius(radius, gap)));
+        }
+    }
+    circles
+}
