@@ -18,7 +18,9 @@
 //! ```
 //! The tractions on both sides of a cut are those of two subdomains: their sum vanishes only weakly.
 //!
-//! Cost: Σ n_k³/3 + m³/3; 8 Σ n_k² + 8 m² bytes.
+//! Many subdomains are joined two by two first, by fronts (`fronts.rs`): m are the unknowns that remain.
+//!
+//! Cost: Σ n_k³/3 + m³/3 and that of the fronts; 8 Σ n_k² + 8 m² bytes.
 //!
 //! Source: Hsiao, Steinbach and Wendland (2000) for subdomains with their Steklov-Poincaré operators.
 
@@ -28,6 +30,7 @@ use std::sync::Arc;
 use faer::Mat;
 
 use crate::condense::{Springs, add_springs};
+use crate::fronts::{Front, Group, dissect};
 use crate::space::Dof;
 use crate::{BemError, Condensation, CondensedLoad, Partition};
 
@@ -114,6 +117,10 @@ enum Holder {
 /// The unknowns of several bodies that remain when each body is condensed.
 #[derive(Debug, Clone)]
 struct Skeleton {
+    /// Those that are eliminated first.
+    fronts: Vec<Front>,
+    /// The nodes that are left, among those of the skeleton.
+    nodes: Vec<usize>,
     condensation: Condensation,
     joined: Arc<Joined>,
 }
@@ -125,8 +132,8 @@ struct Joined {
     nodes: Vec<usize>,
     /// The rows, numbered by the nodes of the skeleton, each before those of nodes that it faces.
     rows: Vec<Relative>,
-    /// The unknowns that each body has here, and its condensed S_k; none of bodies that have no nodes here.
-    stiffness: Vec<Option<(Vec<Dof>, Mat<f64>)>>,
+    /// The nodes that each body has here with its condensed S_k; none of bodies that have no nodes here.
+    stiffness: Vec<Option<Group>>,
     partition: Partition,
     /// Motions that springs hold.
     motions: Vec<Vec<f64>>,
@@ -135,16 +142,42 @@ struct Joined {
 impl Joined {
     /// The skeleton of bodies whose S_k have these factors.
     fn skeleton(self: Arc<Self>, moduli: &[f64]) -> Result<Skeleton, BemError> {
-        let size = 2 * self.nodes.len();
-        let mut stiffness = Mat::zeros(size, size);
-        for ((dofs, own), modulus) in self.stiffness.iter().zip(moduli).filter_map(|(own, m)| Some((own.as_ref()?, m)))
-        {
-            for (j, &column) in dofs.iter().enumerate() {
-                dofs.iter().enumerate().for_each(|(i, &row)| stiffness[(row, column)] += modulus * own[(i, j)]);
-            }
+        let protected = self.protected();
+        let groups = self.stiffness.iter().zip(moduli).filter_map(|(group, &modulus)| {
+            let Group { nodes, stiffness } = group.as_ref()?;
+            Some(Group { nodes: nodes.clone(), stiffness: stiffness * faer::Scale(modulus) })
+        });
+        let (fronts, groups) = dissect(groups.collect(), &|node| protected[node])?;
+        let mut nodes: Vec<usize> = groups.iter().flat_map(|group| group.nodes.iter().copied()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let mut stiffness = Mat::zeros(2 * nodes.len(), 2 * nodes.len());
+        groups.iter().for_each(|group| group.add_to(&mut stiffness, &nodes, 1.0));
+        let place = |node: usize| nodes.binary_search(&node).expect("a node that is left");
+        let dof = |dof: Dof| 2 * place(dof / 2) + dof % 2;
+        for Relative { node, direction, faced } in &self.rows {
+            let faced = faced.iter().map(|&(j, c)| (place(j), c)).collect();
+            substitute(&mut stiffness, &Relative { node: place(*node), direction: *direction, faced });
         }
-        self.rows.iter().for_each(|row| substitute(&mut stiffness, row));
-        Ok(Skeleton { condensation: Condensation::new(stiffness, &self.partition, &self.motions)?, joined: self })
+        let partition = Partition {
+            kept: self.partition.kept.iter().map(|&of| dof(of)).collect(),
+            held: self.partition.held.iter().map(|&(of, value)| (dof(of), value)).collect(),
+            frames: self.partition.frames.iter().map(|&(node, frame)| (place(node), frame)).collect(),
+        };
+        let own = |motion: &Vec<f64>| nodes.iter().flat_map(|k| [motion[2 * k], motion[2 * k + 1]]).collect();
+        let motions: Vec<Vec<f64>> = self.motions.iter().map(own).collect();
+        let condensation = Condensation::new(stiffness, &partition, &motions)?;
+        Ok(Skeleton { fronts, nodes, condensation, joined: self })
+    }
+
+    /// Whether each node has a row, is faced, kept or held, or has a frame.
+    fn protected(&self) -> Vec<bool> {
+        let Partition { kept, held, frames } = &self.partition;
+        let mut protected = vec![false; self.nodes.len()];
+        let of_rows = self.rows.iter().flat_map(|row| row.faced.iter().map(|f| f.0).chain([row.node]));
+        let of_partition = kept.iter().copied().chain(held.iter().map(|held| held.0)).map(|dof| dof / 2);
+        of_rows.chain(of_partition).chain(frames.iter().map(|frame| frame.0)).for_each(|node| protected[node] = true);
+        protected
     }
 }
 
@@ -154,6 +187,7 @@ pub struct AssembledLoad {
     /// The load on the kept unknowns.
     pub kept: Vec<f64>,
     bodies: Vec<CondensedLoad>,
+    fronts: Vec<CondensedLoad>,
     skeleton: Option<CondensedLoad>,
 }
 
@@ -222,8 +256,9 @@ impl Assembly {
             }
             let condensation = Arc::new(Condensation::new(matrix, &of_body, springs_alone)?);
             let body = Member { nodes: own.clone(), in_skeleton, condensation };
-            let dofs: Vec<Dof> = body.of_skeleton().collect();
-            let here = (!dofs.is_empty()).then(|| Ok::<_, BemError>((dofs, body.condensation.stiffness()?)));
+            let nodes: Vec<usize> = body.in_skeleton.iter().map(|&(_, number)| number).collect();
+            let group = |nodes| Ok::<_, BemError>(Group { nodes, stiffness: body.condensation.stiffness()? });
+            let here = (!nodes.is_empty()).then(|| group(nodes));
             stiffness.push(here.transpose()?);
             bodies.push(body);
         }
@@ -304,19 +339,21 @@ impl Assembly {
         };
         let bodies: Vec<CondensedLoad> = self.bodies.iter().enumerate().map(part).collect();
         let Some(skeleton) = &self.skeleton else {
-            return AssembledLoad { kept: bodies[0].kept.clone(), bodies, skeleton: None };
+            return AssembledLoad { kept: bodies[0].kept.clone(), bodies, fronts: Vec::new(), skeleton: None };
         };
         let mut f: Vec<f64> =
             skeleton.joined.nodes.iter().flat_map(|&node| [load[2 * node], load[2 * node + 1]]).collect();
         for (body, condensed) in self.bodies.iter().zip(&bodies) {
             body.of_skeleton().zip(&condensed.kept).for_each(|(dof, kept)| f[dof] += kept);
         }
+        let fronts = skeleton.fronts.iter().map(|front| front.load(&mut f)).collect();
         for row in &skeleton.joined.rows {
             let along: f64 = (0..2).map(|i| row.direction[i] * f[2 * row.node + i]).sum();
             row.faced.iter().for_each(|&(j, c)| (0..2).for_each(|i| f[2 * j + i] += along * c[i]));
         }
-        let load = skeleton.condensation.load_held(&f, &values(Holder::Skeleton));
-        AssembledLoad { kept: load.kept.clone(), bodies, skeleton: Some(load) }
+        let left: Vec<f64> = skeleton.nodes.iter().flat_map(|node| [f[2 * node], f[2 * node + 1]]).collect();
+        let load = skeleton.condensation.load_held(&left, &values(Holder::Skeleton));
+        AssembledLoad { kept: load.kept.clone(), bodies, fronts, skeleton: Some(load) }
     }
 
     /// Reduces the nodal load of a correction: all held values are 0.
@@ -330,10 +367,16 @@ impl Assembly {
         let Some((skeleton, of_skeleton)) = self.skeleton.as_ref().zip(load.skeleton.as_ref()) else {
             return self.bodies[0].condensation.expand(&load.bodies[0], kept);
         };
-        let mut u = skeleton.condensation.expand(of_skeleton, kept);
+        let mut u = vec![0.0; 2 * skeleton.joined.nodes.len()];
+        for (node, left) in skeleton.nodes.iter().zip(skeleton.condensation.expand(of_skeleton, kept).chunks_exact(2)) {
+            u[2 * node..2 * node + 2].copy_from_slice(left);
+        }
         for row in skeleton.joined.rows.iter().rev() {
             let faced: f64 = row.faced.iter().map(|&(j, c)| c[0] * u[2 * j] + c[1] * u[2 * j + 1]).sum();
             (0..2).for_each(|i| u[2 * row.node + i] += faced * row.direction[i]);
+        }
+        for (front, load) in skeleton.fronts.iter().zip(&load.fronts).rev() {
+            front.expand(load, &mut u);
         }
         let mut all = vec![0.0; self.size];
         for (body, load) in self.bodies.iter().zip(&load.bodies) {

@@ -20,7 +20,7 @@ use steklov_quadrature::bernstein;
 
 use crate::cut::{Arrangement, Part};
 use crate::edge::complex;
-use crate::{Cut, Edge, Polygon};
+use crate::{Curve, Cut, Edge, Polygon, Segment};
 
 /// Floating point operations per second of dense matrices and of the skeleton, and seconds of a pair of elements: one core. Only
 /// their ratios matter.
@@ -41,6 +41,8 @@ const DEEPEST: usize = 12;
 const DIRECTIONS: usize = 8;
 /// Smallest Bernstein parameter of an element of a cut.
 const RHO: f64 = 2.5;
+/// That of points without a preimage on a polynomial curve, at least.
+const BEYOND: f64 = 3.0;
 /// Halvings of an element at most.
 const HALVINGS: usize = 8;
 /// Sine of the smallest angle between cuts and the boundary.
@@ -53,13 +55,20 @@ const SHORTEST: f64 = 0.04;
 const VERTEX: f64 = 0.05;
 const ARC: f64 = 0.15;
 
-/// What decides where a body is cut.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CutRules {
-    /// Points at which the solution is singular: corners that are re-entrant, or at which conditions change.
+/// How far a solution continues analytically.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Continuation {
+    /// Points at which it is singular: corners that are re-entrant, or at which conditions change.
     pub singular: Vec<[f64; 2]>,
     /// Circles inside of holes up to which it continues: centre and radius.
     pub circles: Vec<([f64; 2], f64)>,
+}
+
+/// What decides where a body is cut.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CutRules {
+    /// How far the solution continues.
+    pub continuation: Continuation,
     /// Corners to which meshes are graded.
     pub graded: Vec<[f64; 2]>,
     /// Sides on which no cut may end.
@@ -85,32 +94,51 @@ pub struct CutPlan {
     pub bytes: [f64; 2],
 }
 
-/// The Bernstein parameter of a point, for a segment.
-fn bernstein_of(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
-    let (middle, half) = ((complex(a) + complex(b)) / 2.0, (complex(b) - complex(a)) / 2.0);
-    bernstein((complex(x) - middle) / half)
-}
-
-impl CutRules {
-    /// The smallest Bernstein parameter of a segment over all singular points and circles.
-    fn rho(&self, segment: [[f64; 2]; 2]) -> f64 {
-        let on_circle = |&(c, r): &([f64; 2], f64)| {
-            let at = move |k: usize| {
+impl Continuation {
+    /// The smallest Bernstein parameter of a curve over all singular points and circles.
+    pub fn rho(&self, curve: &Curve) -> f64 {
+        let ends = curve.ends();
+        let of = |x: [f64; 2]| {
+            let x = complex(x);
+            let preimage = curve.preimage([x - ends.start, x - ends.end]);
+            preimage.map_or(BEYOND, |[before, after]| bernstein((before + after) / 2.0))
+        };
+        let mut least = self.singular.iter().map(|&x| of(x)).fold(f64::INFINITY, f64::min);
+        let (middle, half) = ((ends.start + ends.end) / 2.0, ends.half().norm());
+        for &(c, r) in &self.circles {
+            // on the circle about 0 through z the parameter is smallest at |z|
+            let near = ((complex(c) - middle).norm() - r) / half;
+            if curve.is_line() && near >= (least + 1.0 / least) / 2.0 {
+                continue;
+            }
+            let at = |k: usize| {
                 let (sin, cos) = (2.0 * PI * k as f64 / 12.0).sin_cos();
                 [c[0] + r * cos, c[1] + r * sin]
             };
-            (0..12).map(at)
-        };
-        let points = self.singular.iter().copied().chain(self.circles.iter().flat_map(on_circle));
-        points.map(|x| bernstein_of(x, segment)).fold(f64::INFINITY, f64::min)
+            least = (0..12).map(|k| of(at(k))).fold(least, f64::min);
+        }
+        least
     }
 
+    /// The degree of an element at which its error is below `wanted`: 1 + ln(1/wanted)/ln ρ.
+    pub fn degree(&self, curve: &Curve, wanted: f64) -> usize {
+        let rho = self.rho(curve).clamp(RHO, 1e3);
+        1 + (-wanted.ln() / rho.ln()).ceil().max(1.0) as usize
+    }
+}
+
+/// A straight part of a cut.
+fn straight([a, b]: [[f64; 2]; 2]) -> Curve {
+    Curve::Line(Segment { start: complex(a), end: complex(b) })
+}
+
+impl CutRules {
     /// Places at which a part of a cut is divided: it is halved until each element has ρ from 2.5 on.
     pub fn breaks(&self, ends: [[f64; 2]; 2]) -> Vec<f64> {
         let at = |s: f64| [0, 1].map(|i| ends[0][i] + s * (ends[1][i] - ends[0][i]));
         let (mut stack, mut breaks) = (vec![([0.0, 1.0], 0)], Vec::new());
         while let Some(([a, b], depth)) = stack.pop() {
-            if depth == HALVINGS || self.rho([at(a), at(b)]) >= RHO {
+            if depth == HALVINGS || self.continuation.rho(&straight([at(a), at(b)])) >= RHO {
                 breaks.push(b);
                 continue;
             }
@@ -121,10 +149,9 @@ impl CutRules {
         breaks
     }
 
-    /// The degree of the elements of a part of a cut at which its error is below `wanted`: 1 + ln(1/wanted)/ln ρ.
+    /// The degree of the elements of a part of a cut at which its error is below `wanted`.
     pub fn degree(&self, ends: [[f64; 2]; 2], wanted: f64) -> usize {
-        let rho = self.rho(ends).clamp(RHO, 1e3);
-        1 + (-wanted.ln() / rho.ln()).ceil().max(1.0) as usize
+        self.continuation.degree(&straight(ends), wanted)
     }
 }
 
@@ -334,7 +361,7 @@ impl Planner<'_> {
         let mut cuts = Vec::new();
         for pair in line.crossings.chunks_exact(2) {
             let cut = [pair[0], pair[1]].map(|(_, e, s)| edges[e].point(s));
-            if distance(cut[0], cut[1]) < SHORTEST * self.pitch || self.rules.rho(cut) < 1.02 {
+            if distance(cut[0], cut[1]) < SHORTEST * self.pitch || self.rules.continuation.rho(&straight(cut)) < 1.02 {
                 return None;
             }
             let off = |x: [f64; 2]| {

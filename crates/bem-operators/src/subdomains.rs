@@ -31,6 +31,8 @@ pub struct Cuts {
     loops: Vec<Vec<Vec<Step>>>,
     /// The subdomains as bodies.
     outline: Polygon,
+    /// A box around each of them: lower left and upper right corner.
+    boxes: Vec<[[f64; 2]; 2]>,
     /// Number of edges of the body.
     edges: usize,
 }
@@ -70,6 +72,23 @@ pub struct CutElements {
     pub points: Vec<[f64; 2]>,
 }
 
+/// A box around each body of a polygon, larger by a part that covers what lies between the points of curves.
+fn boxes(outline: &Polygon) -> Vec<[[f64; 2]; 2]> {
+    const MARGIN: f64 = 0.05;
+    let mut boxes = vec![[[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]; outline.bodies().len()];
+    for edge in outline.edges() {
+        let [low, high] = &mut boxes[outline.body_of_loop(edge.loop_index)];
+        for x in edge.extent().into_iter().chain([edge.end]) {
+            (0..2).for_each(|i| (low[i], high[i]) = (low[i].min(x[i]), high[i].max(x[i])));
+        }
+    }
+    for [low, high] in &mut boxes {
+        let margin = MARGIN * (high[0] - low[0]).max(high[1] - low[1]);
+        (0..2).for_each(|i| (low[i], high[i]) = (low[i] - margin, high[i] + margin));
+    }
+    boxes
+}
+
 impl Cuts {
     /// The subdomains of a body along lines.
     ///
@@ -102,12 +121,14 @@ impl Cuts {
         let loops = pieces.iter().map(|piece| piece.iter().map(|one| one.iter().map(step).collect()).collect());
         let edges_of = |one: &Vec<usize>| one.iter().map(|&h| halves[h].edge.clone()).collect::<Vec<Edge>>();
         let bodies = pieces.iter().map(|piece| piece.iter().map(edges_of).collect()).collect();
+        let outline = body.in_pieces(bodies, body.side_names().to_vec());
         Ok(Self {
             lines: lines.to_vec(),
             loops: loops.collect(),
             parts,
             points: points.all,
-            outline: body.in_pieces(bodies, body.side_names().to_vec()),
+            boxes: boxes(&outline),
+            outline,
             edges: body.edges().len(),
         })
     }
@@ -143,7 +164,8 @@ impl Cuts {
 
     /// The subdomain at a point of the body, the nearest one outside of it.
     pub fn at(&self, x: [f64; 2]) -> usize {
-        let holds = |k: &usize| self.outline.location_in(*k, x) != Location::Outside;
+        let within = |[low, high]: [[f64; 2]; 2]| (0..2).all(|i| low[i] <= x[i] && x[i] <= high[i]);
+        let holds = |k: &usize| within(self.boxes[*k]) && self.outline.location_in(*k, x) != Location::Outside;
         let off = |k: usize| {
             let edges = self.outline.edges().iter();
             let own = edges.filter(|edge| self.outline.body_of_loop(edge.loop_index) == k);

@@ -3,8 +3,8 @@
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::{
-    Assembly, CutPlan, CutRules, Cuts, Domain, Loop, Mark, Mesh, Operators, Partition, Piece, Polygon, Space, Steklov,
-    Subdivision, Subdomain, continued_radius,
+    Assembly, Continuation, CutPlan, CutRules, Cuts, Domain, Loop, Mark, Mesh, Operators, Partition, Piece, Polygon,
+    Space, Steklov, Subdivision, Subdomain, continued_radius,
 };
 use steklov_elastic::plane::distance;
 use steklov_elastic::{Material, Plane, RigidMotion};
@@ -296,9 +296,9 @@ fn planned(
         let to_edges = (0..2).flat_map(|i| [c[i] - r - low[i], high[i] - c[i] - r]);
         others.chain(to_edges).fold(f64::INFINITY, f64::min)
     };
+    let circles = circles.iter().map(|circle| (circle.0, continued_radius(circle.1, gap(circle)))).collect();
     let rules = CutRules {
-        singular: corners.to_vec(),
-        circles: circles.iter().map(|circle| (circle.0, continued_radius(circle.1, gap(circle)))).collect(),
+        continuation: Continuation { singular: corners.to_vec(), circles },
         graded: corners.to_vec(),
         kept: Vec::new(),
         degrees: [8, 10, 6],
@@ -388,4 +388,35 @@ proptest! {
             prop_assert!(plan.cost[0] > 5.0 * plan.cost[1], "{:?} {:?}", plan.unknowns, plan.cost);
         }
     }
+}
+
+/// The Bernstein parameter of an arc of a circle for a point on its ray through the middle, at the distance r from the centre of the
+/// circle of radius R: in the angle from there the point is at i ln(R/r), inside and outside alike.
+#[test]
+fn rho_of_an_arc() {
+    let holes = vec![Loop::circle([0.3, -0.2], 0.7, 4, "hole")];
+    let corners = vec![[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]];
+    let sides = ["a", "b", "c", "d"].map(str::to_owned).to_vec();
+    let polygon = Polygon::new(Loop::straight(corners, sides), holes).unwrap();
+    let mesh = Mesh::uniform(&polygon, 24, 1);
+    let mut arcs = 0;
+    for e in (0..mesh.len()).filter(|&e| !mesh.is_line(e)) {
+        let [x, y] = mesh.point(e, 0.0);
+        let arm = [(x - 0.3) / 0.7, (y + 0.2) / 0.7];
+        let half = mesh.length(e) / 2.0 / 0.7;
+        for r in [0.1, 0.4, 1.1, 1.9] {
+            let singular = vec![[0.3 + r * arm[0], -0.2 + r * arm[1]]];
+            let continuation = Continuation { singular, circles: Vec::new() };
+            let height = (0.7f64 / r).ln().abs() / half;
+            let exact = height + (1.0 + height * height).sqrt();
+            let rho = continuation.rho(&mesh.curve(e));
+            assert!((rho / exact - 1.0).abs() < 1e-12, "{e} {r}: {rho} {exact}");
+            // an error of 1e-4 needs ρ^(1-p) of it at most
+            let p = continuation.degree(&mesh.curve(e), 1e-4) as i32;
+            let rho = rho.max(2.5);
+            assert!(rho.powi(1 - p) <= 1e-4 * 1.001 && rho.powi(2 - p) > 1e-4, "{p} {rho}");
+        }
+        arcs += 1;
+    }
+    assert!(arcs > 3);
 }

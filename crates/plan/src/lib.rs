@@ -29,12 +29,11 @@ mod supports;
 pub use {steklov_model, steklov_problem};
 
 use serde::{Deserialize, Serialize};
-use steklov_bem_operators::Mesh;
+use steklov_bem_operators::{CutPlan, Mesh};
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_coupling::Radiation;
 use steklov_elastic::Plane;
 use steklov_model::estimate::error_estimate::is_estimated;
-use steklov_model::mesh::automatic_cuts::planned_cuts;
 use steklov_model::mesh::layout::Layout;
 use steklov_model::run::memory::{Lack, memory_bytes};
 use steklov_problem::{
@@ -145,7 +144,7 @@ pub(crate) fn plane(scene: &Scene) -> &'static str {
 /// The plan of boundary elements.
 fn boundary_plan(scene: &Scene) -> Plan {
     let method = &scene.method;
-    let layout = Layout::first(scene);
+    let (layout, planned) = Layout::planned(scene);
     let dofs = layout.dofs();
     let plane = match scene.body().material().plane {
         Plane::Strain => "plane strain",
@@ -155,11 +154,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
         discretisation(scene),
         decision("plane", plane, "as the scene says"),
         elements(scene, &layout),
-        decision(
-            "degree",
-            format!("{} for displacements, {} for tractions", method.degree, method.degree - 1),
-            "as the scene says",
-        ),
+        degree(scene, &layout),
         refinement(method),
         decision(
             "length in log(L/r)",
@@ -170,7 +165,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
     modelled.extend(polygons_for_curves(scene));
     modelled.extend(scene.problem.joints().map(|interface| joint(scene, interface)));
     let mut left_out = Vec::new();
-    cuts(scene, &layout, &mut modelled, &mut left_out);
+    cuts(&layout, planned, &mut modelled, &mut left_out);
     contact(scene, &mut modelled, &mut left_out);
     far_away(scene, &mut modelled, &mut left_out);
     supports::decide(scene, &mut modelled);
@@ -316,10 +311,30 @@ fn body_forces(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<D
     }
 }
 
+/// The degrees of the first mesh.
+fn degree(scene: &Scene, layout: &Layout) -> Decision {
+    let least = scene.method.degree;
+    let degrees = layout.subdivision.edges.iter().flatten().map(|piece| piece.degree);
+    match degrees.max().filter(|most| *most > least) {
+        Some(most) => {
+            let choice = format!("{least} to {most} for displacements, one less for tractions");
+            decision(
+                "degree",
+                choice,
+                "how far the solution continues beyond curves and free edges, into holes, decides",
+            )
+        }
+        None => {
+            let choice = format!("{least} for displacements, {} for tractions", least - 1);
+            decision("degree", choice, "as the scene says")
+        }
+    }
+}
+
 /// Adds the decision about cuts: how many subdomains, and the cost of a mesh at the wanted error without cuts and with them.
-fn cuts(scene: &Scene, layout: &Layout, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
+fn cuts(layout: &Layout, planned: Result<CutPlan, String>, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
     const WHAT: &str = "subdomains";
-    match planned_cuts(scene) {
+    match planned {
         Err(why) => left_out.push(decision(WHAT, "none", why)),
         Ok(plan) => {
             let ([uncut, largest, skeleton], [before, after]) = (plan.unknowns, plan.cost);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use faer::Mat;
 use steklov_algebra::{dot, solve_full_lu};
-use steklov_bem_operators::{CutElements, Mesh, Space, Subdomain, TractionMap};
+use steklov_bem_operators::{CutElements, EnrichedSteklov, Mesh, Space, Subdomain, TractionMap};
 use steklov_elastic::{Material, RigidMotion};
 use steklov_problem::Problem;
 
@@ -51,6 +51,8 @@ pub struct Assembled {
     pub length: f64,
     /// The map from displacements to tractions of the modulus of its assembly.
     pub traction_map: Arc<TractionMap>,
+    /// The blocks that S₊ of the enriched spaces needs besides S; of a subdomain, if an estimate is to follow.
+    pub enriched: Option<Arc<EnrichedSteklov>>,
     /// Its modulus over that of its assembly.
     pub modulus: f64,
     /// The motions that its supports leave free, for one of several bodies with curves: the part of them that nodal values

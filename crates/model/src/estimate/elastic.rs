@@ -49,21 +49,25 @@ impl Place {
 }
 
 impl EnrichedBody {
-    /// The enriched operators of a body whose operators come from the moments in `cache`: one solved with an estimate to
-    /// follow.
+    /// The enriched operators of a body solved with an estimate to follow: those of subdomains are there, others come from the
+    /// moments in `cache`.
     ///
     /// # Errors
     /// Those of [`EnrichedSteklov::new`].
-    pub fn new(body: &Body, cache: &mut PairCache) -> Result<Self, BemError> {
+    pub fn new(body: &mut Body, cache: &mut PairCache) -> Result<Self, BemError> {
         let outside =
             body.outside.as_ref().map(|outside| outside.enriched(&body.mesh, &body.space, cache)).transpose()?;
         let mut bodies = Vec::new();
-        for Assembled { piece, length, traction_map, modulus, .. } in &body.pieces {
+        for Assembled { piece, length, traction_map, enriched, modulus, .. } in &mut body.pieces {
             let part = &piece.part;
-            let enriched =
-                EnrichedSteklov::new(&part.mesh, &part.space, &piece.material, *length, traction_map, cache)?;
-            let place = Arc::new(Place::of(part));
-            bodies.push(EnrichedPiece { enriched: Arc::new(enriched), modulus: *modulus, place });
+            let enriched = match enriched.take() {
+                Some(enriched) => enriched,
+                None => {
+                    let (mesh, space) = (&part.mesh, &part.space);
+                    Arc::new(EnrichedSteklov::new(mesh, space, &piece.material, *length, traction_map, cache)?)
+                }
+            };
+            bodies.push(EnrichedPiece { enriched, modulus: *modulus, place: Arc::new(Place::of(part)) });
         }
         Ok(Self { bodies, outside: outside.map(Arc::new) })
     }

@@ -212,7 +212,7 @@ fn solve_fine(
         reactions: answer.reactions,
         free_motions: answer.free_motions,
         estimate: None,
-        seconds: Seconds { set_up: 0.0, assemble, factorise, solve: 0.0 },
+        seconds: Seconds { assemble, factorise, ..Seconds::default() },
         estimate_seconds: 0.0,
         coarse: None,
         trace,
@@ -422,7 +422,7 @@ fn solve_coarse(
         reactions: answer.reactions,
         free_motions: answer.free_motions,
         estimate: None,
-        seconds: Seconds { set_up, assemble, factorise, solve },
+        seconds: Seconds { set_up, assemble, factorise, solve, enrich: 0.0 },
         estimate_seconds: 0.0,
         coarse: Some(CoarseSolved {
             mesh,

@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
-use steklov_bem_operators::{CutPlan, CutRules, Cuts, Edge, Piece, continued_radius};
+use steklov_bem_operators::{Continuation, CutPlan, CutRules, Cuts, Edge, Piece, continued_radius};
 use steklov_elastic::plane::{angle, distance};
 use steklov_problem::{Condition, Cutting, Indicator, Multiplier, Refine, Scene};
 
 use crate::mesh::first_mesh::singular_points;
 use crate::mesh::layout::MeshedCuts;
 
-/// Energy error of cuts that the degrees of a first mesh allow for.
+/// Error of cuts that the degrees of a first mesh allow for, where layers at corners need several steps anyway.
 const FIRST: f64 = 0.1;
+/// The same of all elements where the solution is smooth, over the root of the tolerance, so that the second mesh is the last: the
+/// error of meshes was 0.15 of it.
+const OF_ROOT: f64 = 0.33;
 /// Smallest gain for which a body is cut: predicted operations without cuts over those with them.
 const GAIN: f64 = 1.5;
 /// A body with fewer unknowns is not cut.
@@ -37,20 +40,16 @@ pub(crate) fn hindrance(scene: &Scene) -> Option<(&'static str, &'static str)> {
     all.into_iter().find(|(is, ..)| *is).map(|(_, key, what)| (key, what))
 }
 
-/// The plan of cuts of a scene.
+/// The cuts of a scene with their first elements, and their plan.
 ///
 /// # Errors
 /// Why it is not cut: cuts are not wanted, not possible, or do not pay.
-pub fn planned_cuts(scene: &Scene) -> Result<CutPlan, String> {
-    plan(scene).map(|(plan, _)| plan)
-}
-
-/// The cuts of a scene with their first elements.
-pub(crate) fn automatic_cuts(scene: &Scene) -> Option<MeshedCuts> {
-    let (plan, rules) = plan(scene).ok()?;
-    let cuts = Cuts::new(&scene.problem.outline, &plan.lines).ok()?;
-    let elements = cuts.parts().into_iter().map(|ends| elements_of(&rules, ends, scene.method.degree)).collect();
-    Some(MeshedCuts { cuts: Arc::new(cuts), elements })
+pub(crate) fn automatic_cuts(scene: &Scene) -> Result<(MeshedCuts, CutPlan), String> {
+    let (plan, rules) = plan(scene)?;
+    let cuts = Cuts::new(&scene.problem.outline, &plan.lines).map_err(|e| e.to_string())?;
+    let error = first_error(scene);
+    let elements = cuts.parts().into_iter().map(|ends| elements_of(&rules, ends, error, scene.method.degree)).collect();
+    Ok((MeshedCuts { cuts: Arc::new(cuts), elements }, plan))
 }
 
 fn plan(scene: &Scene) -> Result<(CutPlan, CutRules), String> {
@@ -76,13 +75,12 @@ fn plan(scene: &Scene) -> Result<(CutPlan, CutRules), String> {
 }
 
 fn rules(scene: &Scene) -> CutRules {
-    let (singular, graded) = singular(scene);
+    let (continuation, graded) = continuation(scene);
     let tolerance = scene.method.tolerance();
     let smooth = (-tolerance.ln() / DECAY.ln()).ceil().max(2.0) as usize;
     let layers = (LAYERS * -tolerance.log10()).ceil().max(1.0) as usize;
     CutRules {
-        singular,
-        circles: circles(scene.problem.outline.edges()),
+        continuation,
         graded,
         kept: scene.contacts().map(|(side, _)| side).collect(),
         degrees: [smooth, smooth + 1, smooth],
@@ -90,19 +88,32 @@ fn rules(scene: &Scene) -> CutRules {
     }
 }
 
+/// Whether degrees alone resolve a scene, so that they are foreseen: one body with curves, without contact and without corners to which
+/// meshes are graded.
+pub(crate) fn is_smooth(scene: &Scene) -> bool {
+    let is_curved = !scene.problem.outline.edges().iter().all(Edge::is_line);
+    let is_hp = scene.method.refine == Refine::Hp && hindrance(scene).is_none();
+    is_curved && is_hp && scene.contacts().next().is_none() && continuation(scene).1.is_empty()
+}
+
+/// Error that the degrees of a first mesh allow for.
+pub(crate) fn first_error(scene: &Scene) -> f64 {
+    if is_smooth(scene) { FIRST.min(OF_ROOT * scene.method.tolerance().sqrt()) } else { FIRST }
+}
+
 /// The first elements of a part of a cut.
-fn elements_of(rules: &CutRules, ends: [[f64; 2]; 2], least: usize) -> Vec<Piece> {
+fn elements_of(rules: &CutRules, ends: [[f64; 2]; 2], error: f64, least: usize) -> Vec<Piece> {
     let vertices: Vec<f64> = [0.0].into_iter().chain(rules.breaks(ends)).chain([1.0]).collect();
     let at = |s: f64| [0, 1].map(|i| ends[0][i] + s * (ends[1][i] - ends[0][i]));
     let of = |s: &[f64]| {
-        let degree = rules.degree([at(s[0]), at(s[1])], FIRST).max(least);
+        let degree = rules.degree([at(s[0]), at(s[1])], error).max(least);
         Piece { start: s[0], end: s[1], degree, mark: Default::default() }
     };
     vertices.windows(2).map(of).collect()
 }
 
-/// The points at which the solution is singular, and those of them to which meshes are graded, corners.
-fn singular(scene: &Scene) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
+/// How far the solution continues, and the corners to which meshes are graded.
+pub(crate) fn continuation(scene: &Scene) -> (Continuation, Vec<[f64; 2]>) {
     let outline = &scene.problem.outline;
     let edges = outline.edges();
     let mut graded = Vec::new();
@@ -116,7 +127,7 @@ fn singular(scene: &Scene) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     for (edge, places) in edges.iter().zip(singular_points(scene, true)) {
         all.extend(places.into_iter().filter(|s| *s > 0.0 && *s < 1.0).map(|s| edge.point(s)));
     }
-    (all, graded)
+    (Continuation { singular: all, circles: circles(edges) }, graded)
 }
 
 /// Whether a corner is re-entrant, or conditions change there. At a convex one between free or loaded sides the solution is smooth

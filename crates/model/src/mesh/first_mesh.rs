@@ -1,11 +1,11 @@
 //! The first mesh: vertices at singular points and where the data are narrower than an element.
 
-use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
+use steklov_bem_operators::{CutPlan, Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
 use steklov_elastic::plane::{angle, minus};
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Law, Refine, Scene, Span, Springs};
 
-use crate::mesh::automatic_cuts::automatic_cuts;
+use crate::mesh::automatic_cuts::{automatic_cuts, continuation, first_error, is_smooth};
 use crate::mesh::layout::Layout;
 
 /// Angles on curves that differ by less are the same (radian): their numbers are seldom written with more digits.
@@ -27,6 +27,11 @@ const SEEN: f64 = 0.2;
 impl Layout {
     /// The first mesh; of the hp strategy with vertices at the kinks of the data, and cut into subdomains where that pays.
     pub fn first(scene: &Scene) -> Self {
+        Self::planned(scene).0
+    }
+
+    /// The first mesh, and the plan of its cuts or why there are none.
+    pub fn planned(scene: &Scene) -> (Self, Result<CutPlan, String>) {
         let mesh = Mesh::uniform(&scene.problem.outline, scene.first_elements(), scene.method.degree);
         let mut subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
         if scene.method.refine != Refine::Hp {
@@ -57,12 +62,33 @@ impl Layout {
             }
         }
         halve_single(&mut subdivision, scene);
-        let cuts = automatic_cuts(scene);
+        let (cuts, plan) =
+            automatic_cuts(scene).map_or_else(|why| (None, Err(why)), |(cuts, plan)| (Some(cuts), Ok(plan)));
         for (edge, s) in cuts.iter().flat_map(|cuts| cuts.cuts.ends()) {
             subdivision.insert(edge, s, &[], 0.0);
         }
-        Self { subdivision, tips: Vec::new(), cuts }.with_equal_cuts(&scene.problem)
+        let subdivision = with_first_degrees(subdivision, scene);
+        (Self { subdivision, tips: Vec::new(), cuts }.with_equal_cuts(&scene.problem), plan)
     }
+}
+
+/// Raises the degrees of the elements of a smooth scene to those at which the solution, continued beyond the boundary, has an error
+/// of [`first_error`].
+fn with_first_degrees(subdivision: Subdivision, scene: &Scene) -> Subdivision {
+    let outline = &scene.problem.outline;
+    let (true, Ok(mesh)) = (is_smooth(scene), subdivision.mesh(outline)) else { return subdivision };
+    let (continuation, _) = continuation(scene);
+    let error = first_error(scene);
+    // an edge has more elements than pieces where it turns too far for one
+    let mut raised = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
+    for e in 0..mesh.len() {
+        let [a, b] = mesh.span[e];
+        let degree = continuation.degree(&mesh.curve(e), error);
+        for piece in raised.edges[mesh.edge[e]].iter_mut().filter(|piece| piece.start == a.min(b)) {
+            piece.degree = piece.degree.max(degree);
+        }
+    }
+    raised
 }
 
 /// Halves elements that are all of a tied part of an edge: both of their ends may have no multipliers.

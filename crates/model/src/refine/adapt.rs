@@ -11,6 +11,7 @@ use crate::error::SolveError;
 use crate::estimate::error_estimate::{Bubble, Estimate};
 use crate::estimate::multiplier_difference::{limited_by_multipliers, multiplier_indicators};
 use crate::estimate::penetration::Unseen;
+use crate::mesh::automatic_cuts::is_smooth;
 use crate::mesh::first_mesh::{coarse_elements, singular_points};
 use crate::mesh::layout::Layout;
 use crate::refine::asperities::{Cuts, MARKED, cut_at_turns, gap_turns, obstacles, part_to_mark};
@@ -20,6 +21,8 @@ use crate::solve::solution::Solved;
 
 /// Degree from which the decay of Legendre coefficients tells whether a solution is smooth.
 const TELLING: usize = 4;
+/// The same on cuts, which are far from all singular points that are known.
+const TELLING_ON_CUTS: usize = 8;
 /// Degree from which an element whose data are not resolved is halved.
 const RESOLVING: usize = 3;
 
@@ -27,6 +30,15 @@ const RESOLVING: usize = 3;
 fn unresolved_loads(unresolved: &[f64]) -> Vec<usize> {
     let total: f64 = unresolved.iter().sum();
     (0..unresolved.len()).filter(|&e| unresolved[e] > 0.01 * total).collect()
+}
+
+/// An element of a cut.
+struct OnCut {
+    /// Squared indicator.
+    squared: f64,
+    /// How fast the Legendre coefficients of the displacement decay.
+    decay: Option<f64>,
+    degree: usize,
 }
 
 /// The data of a solved mesh for marking its elements.
@@ -42,13 +54,16 @@ struct Marking<'a> {
     apart: Vec<f64>,
     /// Elements whose loads are not resolved.
     unresolved: Vec<usize>,
-    /// Squared indicators of the elements of cuts, and the decay of coefficients there.
-    on_cuts: Vec<(f64, Option<f64>)>,
+    /// Whether the degrees that elements lack are foreseen, several at a time.
+    foresees: bool,
+    /// The elements of cuts.
+    on_cuts: Vec<OnCut>,
 }
 
 impl<'a> Marking<'a> {
     fn new(
         scene: &'a Scene,
+        layout: &Layout,
         solved: &'a Solved,
         factors: &'a Factors,
         estimate: Option<&'a Estimate>,
@@ -67,8 +82,13 @@ impl<'a> Marking<'a> {
             _ => Vec::new(),
         };
         let of_cuts = estimate.iter().flat_map(|estimate| &estimate.of_cuts).map(Bubble::total);
-        let on_cuts = of_cuts.zip(factors.decay_on_cuts.iter().copied()).collect();
-        Self { scene, solved, state, estimate, squared, apart, unresolved, on_cuts }
+        let pieces = layout.cuts.iter().flat_map(|cuts| cuts.elements.iter().flatten());
+        let on_cuts = of_cuts
+            .zip(factors.decay_on_cuts.iter().zip(pieces))
+            .map(|(squared, (&decay, piece))| OnCut { squared, decay, degree: piece.degree })
+            .collect();
+        let foresees = is_smooth(scene);
+        Self { scene, solved, state, estimate, squared, apart, unresolved, foresees, on_cuts }
     }
 
     /// How fast the Legendre coefficients of the solution on an element decay.
@@ -78,18 +98,28 @@ impl<'a> Marking<'a> {
 
     /// The marks of all elements, those of cuts last, with a part of the squared indicators.
     fn marked(&self, part: f64) -> Vec<Option<f64>> {
-        let all: Vec<f64> = self.squared.iter().copied().chain(self.on_cuts.iter().map(|on_cut| on_cut.0)).collect();
+        let all: Vec<f64> = self.squared.iter().copied().chain(self.on_cuts.iter().map(|e| e.squared)).collect();
         doerfler(&all, self.scene.method.marking.unwrap_or(part))
     }
 
     /// The marks of the elements of cuts: these are halved where the displacement is not smooth.
     fn marks_on_cuts(&self, part: f64) -> Vec<Mark> {
-        let marked = self.marked(part).split_off(self.squared.len());
-        let mark = |(excess, (_, decay)): (Option<f64>, &(f64, Option<f64>))| {
-            let rough = decay.is_some_and(|decay| decay > self.scene.method.smoothness);
-            excess.map_or(Mark::Keep, |excess| Mark::refine(rough, excess))
+        let marked = self.marked(part);
+        let number = marked.iter().flatten().count();
+        let mark = |(excess, on_cut): (&Option<f64>, &OnCut)| {
+            let Some(excess) = *excess else { return Mark::Keep };
+            let unsmooth = on_cut.decay.is_some_and(|decay| decay > self.scene.method.smoothness);
+            let rough = unsmooth && (on_cut.degree >= TELLING_ON_CUTS || !self.foresees);
+            let mut mark = Mark::refine(rough, excess);
+            let lacking = || self.lacking_degrees(on_cut.squared, on_cut.decay, on_cut.degree, number);
+            if let (Mark::Refine { rough: false, degrees, .. }, Some(lacking)) =
+                (&mut mark, self.foresees.then(lacking).flatten())
+            {
+                *degrees = lacking;
+            }
+            mark
         };
-        marked.into_iter().zip(&self.on_cuts).map(mark).collect()
+        marked[self.squared.len()..].iter().zip(&self.on_cuts).map(mark).collect()
     }
 
     /// The elements with a part of the squared indicators, and those with unresolved loads.
@@ -123,21 +153,23 @@ impl<'a> Marking<'a> {
         self.solved.mesh.shape.iter().any(|s| *s != Shape::Line)
     }
 
-    /// Number of degrees that a smooth element lacks until its squared error is its share of half of the tolerated one, from
-    /// the decay of its coefficients; at least one and at most half of its degree. Only for meshes with curves, which degrees
-    /// alone resolve: beside corners of straight sides layers do this, and the error of the next element changes with each of
-    /// them.
-    fn lacking_degrees(&self, e: usize) -> Option<usize> {
-        let mesh = &self.solved.mesh;
-        let decay = self.decay(e).filter(|&decay| decay < 1.0)?;
-        if !self.is_curved() || mesh.degree[e] < TELLING || self.unresolved.contains(&e) {
+    /// Number of degrees that an element lacks until its squared error is its share of half of the tolerated one, from the decay of its
+    /// coefficients; at least one. In a smooth scene the `marked` elements share, and an element gets at most its degree; else all
+    /// elements, and it gets half of that. Only for meshes with curves, which degrees alone resolve: beside corners of straight
+    /// sides layers do this, and the error of the next element changes with each of them.
+    fn lacking_degrees(&self, squared: f64, decay: Option<f64>, degree: usize, marked: usize) -> Option<usize> {
+        let decay = decay.filter(|&decay| decay < 1.0)?;
+        if !self.is_curved() || degree < TELLING {
             return None;
         }
-        let share = 0.5 * self.tolerated()? / (mesh.len() + self.on_cuts.len()) as f64;
-        let whole = self.squared.iter().chain(self.on_cuts.iter().map(|(squared, _)| squared)).sum::<f64>();
-        let excess = self.squared[e] / whole / share;
+        let (sharing, most) = match self.foresees {
+            true => (marked, degree),
+            false => (self.squared.len() + self.on_cuts.len(), degree / 2),
+        };
+        let whole = self.squared.iter().chain(self.on_cuts.iter().map(|e| &e.squared)).sum::<f64>();
+        let excess = squared / whole / (0.5 * self.tolerated()? / sharing as f64);
         let lacking = (0.5 * excess.ln() / -decay.ln()).ceil();
-        Some((lacking as usize).clamp(1, mesh.degree[e] / 2))
+        Some((lacking as usize).clamp(1, most))
     }
 
     /// The tolerated squared error over the estimated one.
@@ -171,7 +203,11 @@ impl<'a> Marking<'a> {
         let mesh = &self.solved.mesh;
         // on curves the elements left alone have at most half of the tolerated squared error
         let tolerated = self.tolerated().filter(|&part| part < 1.0 && self.is_curved());
-        let mut part = tolerated.map_or(MARKED, |part| MARKED.min(1.0 - 0.5 * part));
+        let mut part = match tolerated {
+            Some(part) if self.foresees => 1.0 - 0.5 * part,
+            Some(part) => MARKED.min(1.0 - 0.5 * part),
+            None => MARKED,
+        };
         if let (Some(state), true) = (self.state, turns.iter().flatten().any(|t| t.maximum)) {
             let mut whole = Subdivision::new(mesh, &vec![Mark::Keep; mesh.len()]);
             let located = relocate(&mut tips.to_vec(), &mut whole, state, singular, &obstacles(turns))?;
@@ -179,8 +215,11 @@ impl<'a> Marking<'a> {
             part = part_to_mark(&self.squared, &located, unlocated_energy(self.scene, &located), goal);
         }
         let mut marks = self.marks(part, &|e| self.rough(e));
-        for (e, mark) in marks.iter_mut().enumerate() {
-            if let (Mark::Refine { rough: false, degrees, .. }, Some(lacking)) = (mark, self.lacking_degrees(e)) {
+        let number = self.marked(part).iter().flatten().count();
+        for (e, mark) in marks.iter_mut().enumerate().filter(|(e, _)| !self.unresolved.contains(e)) {
+            if let (Mark::Refine { rough: false, degrees, .. }, Some(lacking)) =
+                (mark, self.lacking_degrees(self.squared[e], self.decay(e), mesh.degree[e], number))
+            {
                 *degrees = lacking;
             }
         }
@@ -284,7 +323,7 @@ impl Layout {
         unseen: &Unseen,
         decided: Option<&Decided>,
     ) -> Result<(Self, Vec<Located>), SolveError> {
-        let marking = Marking::new(scene, solved, factors, estimate, unseen, decided);
+        let marking = Marking::new(scene, self, solved, factors, estimate, unseen, decided);
         let mesh = &solved.mesh;
         let all = |rough: bool| vec![Mark::refine(rough, 1.0); mesh.len()];
         let marks = match scene.method.refine {

@@ -170,7 +170,7 @@ pub struct Step<M: Model> {
 
 /// Wall seconds of a step.
 pub(crate) fn seconds_of(s: &Seconds, estimate: f64) -> [f64; 5] {
-    [s.set_up, s.assemble, s.factorise, s.solve, estimate]
+    [s.set_up, s.assemble, s.factorise, s.solve, s.enrich + estimate]
 }
 
 /// Finished steps, and the layout that follows.

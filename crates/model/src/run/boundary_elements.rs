@@ -135,13 +135,13 @@ impl Model for BoundaryElements {
     ) -> Result<Advanced<Self>, SolveError> {
         let mesh = progress.next.subdivision.mesh(&scene.problem.outline)?;
         let estimated = is_estimated(scene, progress.next.dofs());
-        let (solved, body, factors) = solve(scene, (mesh, progress.next.cuts.as_ref()), estimated, cache, observe)?;
+        let (solved, mut body, factors) = solve(scene, (mesh, progress.next.cuts.as_ref()), estimated, cache, observe)?;
         if let (Some(contact), Some(part)) = (&solved.contact, &factors.contact) {
             observe(Stage::Contact(&part.problem, &contact.solution))?;
         }
         let clock = Instant::now();
         observe(Stage::Progress("estimate", 0.97))?;
-        let enriched = if estimated { Some(EnrichedBody::new(&body, cache)?) } else { None };
+        let enriched = if estimated { Some(EnrichedBody::new(&mut body, cache)?) } else { None };
         let (mut estimate, unseen) = match &enriched {
             Some(enriched) => {
                 let (estimate, unseen) = estimate(scene, &solved, &body, enriched, &factors)?;

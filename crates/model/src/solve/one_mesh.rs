@@ -4,7 +4,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use faer::{Col, Mat};
-use steklov_bem_operators::{Assembly, Mesh, PairCache, Partition, Relative, Space, Steklov};
+use rayon::prelude::*;
+use steklov_bem_operators::{
+    Assembly, BemError, EnrichedSteklov, Mesh, PairCache, Partition, Relative, Space, Steklov,
+};
 use steklov_contact::ContactBoundary;
 use steklov_elastic::{RigidMotion, free_motions};
 use steklov_problem::{Multiplier, Scene};
@@ -56,7 +59,11 @@ fn partition(
     (partition, of_contact.chain(tied.iter().map(|tied| tied.relative.clone())).collect())
 }
 
-/// S of every body, and the other results of its assembly.
+/// Subdomains that are assembled side by side: the moments of so many lie in memory at once.
+const SIDE_BY_SIDE: usize = 16;
+
+/// S of every body or subdomain, and the other results of its assembly. Bodies, which are large, follow one another, and their
+/// matrices for the estimate are made when all is solved. The bits do not depend on the number of threads.
 fn assemble(
     data: &OnMesh<'_>,
     pieces: Vec<Piece>,
@@ -67,26 +74,67 @@ fn assemble(
 ) -> Result<(Vec<Mat<f64>>, Vec<Assembled>), SolveError> {
     let scene = data.scene;
     let (mut matrices, mut bodies) = (Vec::new(), Vec::new());
-    let share = 1.0 / pieces.len() as f64;
-    let is_cut = pieces.len() > 1 && !scene.problem.has_several_bodies();
-    for (k, piece) in pieces.into_iter().enumerate() {
+    let count = pieces.len();
+    let is_cut = count > 1 && !scene.problem.has_several_bodies();
+    let mut pieces = pieces.into_iter();
+    while bodies.len() < count {
+        let chunk: Vec<Piece> = pieces.by_ref().take(if is_cut { SIDE_BY_SIDE } else { 1 }).collect();
+        let done = |part: f64| 0.05 + 0.7 * (bodies.len() as f64 + part * chunk.len() as f64) / count as f64;
         let clock = Instant::now();
-        observe(Stage::Progress("assembling V, K, W", 0.05 + 0.7 * share * k as f64))?;
-        let operators = operators(&piece.part.mesh, &piece.part.space, &piece.material, estimated, cache)?;
-        let length = operators.length;
+        observe(Stage::Progress("assembling V, K, W", done(0.0)))?;
+        // the moments of a body are those of its mesh before where elements have not changed
+        let mut caches = vec![PairCache::default(); chunk.len()];
+        if !is_cut {
+            std::mem::swap(&mut caches[0], cache);
+        }
+        let assembled: Result<Vec<_>, _> = chunk
+            .par_iter()
+            .zip(&mut caches)
+            .map(|(Piece { part, material, .. }, cache)| operators(&part.mesh, &part.space, material, estimated, cache))
+            .collect();
+        let assembled = assembled?;
         seconds.assemble += clock.elapsed().as_secs_f64();
-        observe(Stage::Operators(k, &operators))?;
-        if is_cut {
-            observe(Stage::Nodes(k, &piece.part.nodes))?;
+        for (k, (piece, operators)) in (bodies.len()..).zip(chunk.iter().zip(&assembled)) {
+            observe(Stage::Operators(k, operators))?;
+            if is_cut {
+                observe(Stage::Nodes(k, &piece.part.nodes))?;
+            }
         }
 
         let clock = Instant::now();
-        observe(Stage::Progress("Steklov-Poincaré matrix", 0.05 + 0.7 * share * (k as f64 + 0.35)))?;
-        let Steklov { matrix, traction: traction_map } = Steklov::new(operators, scene.domain(piece.body))?;
-        matrices.push(matrix);
-        let traction_map = Arc::new(traction_map);
-        bodies.push(Assembled { piece, length, traction_map, modulus: 1.0, turning: Vec::new(), carried: None });
+        observe(Stage::Progress("Steklov-Poincaré matrix", done(0.35)))?;
+        let factorised: Result<Vec<(f64, Steklov)>, _> = assembled
+            .into_par_iter()
+            .zip(&chunk)
+            .map(|(operators, piece)| {
+                Ok::<_, BemError>((operators.length, Steklov::new(operators, scene.domain(piece.body))?))
+            })
+            .collect();
+        let factorised = factorised?;
         seconds.factorise += clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let enriched = |(Piece { part, material, .. }, (cache, (length, steklov))): (
+            &Piece,
+            (&mut PairCache, &(f64, Steklov)),
+        )| {
+            let of = || EnrichedSteklov::new(&part.mesh, &part.space, material, *length, &steklov.traction, cache);
+            (estimated && is_cut).then(of).transpose()
+        };
+        let enriched: Result<Vec<_>, _> =
+            chunk.par_iter().zip(caches.par_iter_mut().zip(&factorised)).map(enriched).collect();
+        let enriched = enriched?;
+        if !is_cut {
+            std::mem::swap(&mut caches[0], cache);
+        }
+        seconds.enrich += clock.elapsed().as_secs_f64();
+        for ((piece, (length, steklov)), enriched) in chunk.into_iter().zip(factorised).zip(enriched) {
+            let Steklov { matrix, traction } = steklov;
+            matrices.push(matrix);
+            let (traction_map, enriched) = (Arc::new(traction), enriched.map(Arc::new));
+            let (modulus, turning) = (1.0, Vec::new());
+            bodies.push(Assembled { piece, length, traction_map, enriched, modulus, turning, carried: None });
+        }
     }
     Ok((matrices, bodies))
 }

@@ -22,6 +22,8 @@ pub struct Seconds {
     pub factorise: f64,
     /// Contact and back substitution.
     pub solve: f64,
+    /// The matrices that the estimate needs besides S.
+    pub enrich: f64,
 }
 
 /// A node of a tie: the traction of the other body on the one that carries it.
