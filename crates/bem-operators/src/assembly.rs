@@ -152,7 +152,7 @@ impl Joined {
         nodes.sort_unstable();
         nodes.dedup();
         let mut stiffness = Mat::zeros(2 * nodes.len(), 2 * nodes.len());
-        groups.iter().for_each(|group| group.add_to(&mut stiffness, &nodes, 1.0));
+        groups.iter().for_each(|group| group.add_to(&mut stiffness, &nodes));
         let place = |node: usize| nodes.binary_search(&node).expect("a node that is left");
         let dof = |dof: Dof| 2 * place(dof / 2) + dof % 2;
         for Relative { node, direction, faced } in &self.rows {

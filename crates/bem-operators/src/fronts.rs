@@ -30,23 +30,12 @@ pub(crate) struct Group {
 }
 
 impl Group {
-    /// The sum of two groups.
-    fn with(&self, other: &Self) -> Self {
-        let mut nodes = [&self.nodes[..], &other.nodes].concat();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let mut stiffness = Mat::zeros(2 * nodes.len(), 2 * nodes.len());
-        self.add_to(&mut stiffness, &nodes, 1.0);
-        other.add_to(&mut stiffness, &nodes, 1.0);
-        Self { nodes, stiffness }
-    }
-
-    /// Adds a multiple of its matrix to one of rising `nodes`, which has all of its own.
-    pub(crate) fn add_to(&self, stiffness: &mut Mat<f64>, nodes: &[usize], factor: f64) {
+    /// Adds its matrix to one of rising `nodes`, which has all of its own.
+    pub(crate) fn add_to(&self, stiffness: &mut Mat<f64>, nodes: &[usize]) {
         let place = |node: &usize| nodes.binary_search(node).expect("a node of the group");
         let dofs: Vec<usize> = self.nodes.iter().map(place).flat_map(|k| [2 * k, 2 * k + 1]).collect();
         for (j, &column) in dofs.iter().enumerate() {
-            dofs.iter().enumerate().for_each(|(i, &row)| stiffness[(row, column)] += factor * self.stiffness[(i, j)]);
+            dofs.iter().enumerate().for_each(|(i, &row)| stiffness[(row, column)] += self.stiffness[(i, j)]);
         }
     }
 }
@@ -83,51 +72,52 @@ impl Front {
     }
 }
 
-/// Joins groups until few are left, and returns the fronts in the order of their elimination with the groups that are left.
-/// Nodes that are `protected` stay.
-///
-/// # Errors
-/// [`BemError::StiffnessSingular`], [`BemError::Fault`].
-pub(crate) fn dissect(
-    mut groups: Vec<Group>,
-    protected: &dyn Fn(usize) -> bool,
-) -> Result<(Vec<Front>, Vec<Group>), BemError> {
-    let mut fronts = Vec::new();
-    while groups.len() > FEW {
+/// Two groups that become one.
+struct Join {
+    pair: [usize; 2],
+    /// The nodes of both, rising.
+    nodes: Vec<usize>,
+    /// Which of them are kept.
+    kept: Vec<usize>,
+}
+
+/// Joins groups of nodes, until few are left or none share any nodes but the `protected` ones; each new group gets the next number.
+/// Returns the numbers of those that are left too.
+fn joins(mut groups: Vec<Vec<usize>>, protected: &dyn Fn(usize) -> bool) -> (Vec<Join>, Vec<usize>) {
+    let mut joins = Vec::new();
+    let mut left: Vec<usize> = (0..groups.len()).collect();
+    while left.len() > FEW {
         let mut owners: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for (k, group) in groups.iter().enumerate() {
-            group.nodes.iter().for_each(|&node| owners.entry(node).or_default().push(k));
+        for &k in &left {
+            groups[k].iter().for_each(|&node| owners.entry(node).or_default().push(k));
         }
-        let shared = |node: &usize| if protected(*node) { &[][..] } else { &owners[node] };
-        let pairs = pairs(&groups, &shared);
+        let sharing = |node: &usize| if protected(*node) { &[][..] } else { &owners[node] };
+        let pairs = pairs(&groups, &left, &sharing);
         if pairs.is_empty() {
             break;
         }
-        let mut next = Vec::new();
-        let mut joined = vec![false; groups.len()];
-        for [a, b] in pairs {
-            let both = groups[a].with(&groups[b]);
-            let is_kept = |node: &usize| protected(*node) || owners[node].iter().any(|k| ![a, b].contains(k));
-            let kept: Vec<usize> = (0..both.nodes.len()).filter(|&k| is_kept(&both.nodes[k])).collect();
-            let partition =
-                Partition { kept: kept.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect(), ..Partition::default() };
-            let condensation = Condensation::new(both.stiffness, &partition, &[])?;
-            let nodes = kept.iter().map(|&k| both.nodes[k]).collect();
-            next.push(Group { nodes, stiffness: condensation.stiffness()? });
-            fronts.push(Front { nodes: both.nodes, kept, condensation });
-            (joined[a], joined[b]) = (true, true);
+        left.retain(|k| pairs.iter().all(|pair| !pair.contains(k)));
+        let others = left.len();
+        for pair in pairs {
+            let mut nodes = pair.map(|k| groups[k].as_slice()).concat();
+            nodes.sort_unstable();
+            nodes.dedup();
+            let is_kept = |node: &usize| protected(*node) || owners[node].iter().any(|k| !pair.contains(k));
+            let kept: Vec<usize> = (0..nodes.len()).filter(|&k| is_kept(&nodes[k])).collect();
+            left.push(groups.len());
+            groups.push(kept.iter().map(|&k| nodes[k]).collect());
+            joins.push(Join { pair, nodes, kept });
         }
-        next.extend(groups.into_iter().zip(joined).filter(|(_, joined)| !joined).map(|(group, _)| group));
-        groups = next;
+        left.rotate_left(others);
     }
-    Ok((fronts, groups))
+    (joins, left)
 }
 
 /// Pairs of groups to be joined: each group in the order of the number of its nodes, and the free neighbour with which it shares most
 /// nodes that may be eliminated. `sharing` are the groups that share such a node.
-fn pairs<'a>(groups: &[Group], sharing: &dyn Fn(&usize) -> &'a [usize]) -> Vec<[usize; 2]> {
-    let mut order: Vec<usize> = (0..groups.len()).collect();
-    order.sort_by_key(|&k| (groups[k].nodes.len(), k));
+fn pairs<'a>(groups: &[Vec<usize>], left: &[usize], sharing: &dyn Fn(&usize) -> &'a [usize]) -> Vec<[usize; 2]> {
+    let mut order = left.to_vec();
+    order.sort_by_key(|&k| (groups[k].len(), k));
     let mut free = vec![true; groups.len()];
     let mut pairs = Vec::new();
     for a in order {
@@ -135,7 +125,7 @@ fn pairs<'a>(groups: &[Group], sharing: &dyn Fn(&usize) -> &'a [usize]) -> Vec<[
             continue;
         }
         let mut shared: BTreeMap<usize, usize> = BTreeMap::new();
-        for &b in groups[a].nodes.iter().flat_map(sharing).filter(|&&b| free[b]) {
+        for &b in groups[a].iter().flat_map(sharing).filter(|&&b| free[b]) {
             *shared.entry(b).or_default() += 1;
         }
         // of several the first
@@ -145,4 +135,81 @@ fn pairs<'a>(groups: &[Group], sharing: &dyn Fn(&usize) -> &'a [usize]) -> Vec<[
         }
     }
     pairs
+}
+
+/// Unknowns of each front of groups of nodes, none of them protected, and of the matrix that is left.
+pub fn front_sizes(groups: Vec<Vec<usize>>) -> Vec<usize> {
+    let given = groups.clone();
+    let (joins, left) = joins(groups, &|_| false);
+    let nodes_of = |&k: &usize| match k.checked_sub(given.len()) {
+        None => given[k].clone(),
+        Some(join) => joins[join].kept.iter().map(|&k| joins[join].nodes[k]).collect(),
+    };
+    let mut last: Vec<usize> = left.iter().flat_map(nodes_of).collect();
+    last.sort_unstable();
+    last.dedup();
+    joins.iter().map(|join| join.nodes.len()).chain([last.len()]).map(|nodes| 2 * nodes).collect()
+}
+
+/// Joins groups until few are left, and returns the fronts in the order of their elimination with the groups that are left.
+/// Nodes that are `protected` stay.
+///
+/// # Errors
+/// [`BemError::StiffnessSingular`], [`BemError::Fault`].
+pub(crate) fn dissect(
+    groups: Vec<Group>,
+    protected: &dyn Fn(usize) -> bool,
+) -> Result<(Vec<Front>, Vec<Group>), BemError> {
+    let (joins, left) = joins(groups.iter().map(|group| group.nodes.clone()).collect(), protected);
+    let mut groups: Vec<Option<Group>> = groups.into_iter().map(Some).collect();
+    let mut fronts = Vec::new();
+    for Join { pair, nodes, kept } in joins {
+        let mut stiffness = Mat::zeros(2 * nodes.len(), 2 * nodes.len());
+        pair.iter().filter_map(|&k| groups[k].take()).for_each(|group| group.add_to(&mut stiffness, &nodes));
+        let partition =
+            Partition { kept: kept.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect(), ..Partition::default() };
+        let condensation = Condensation::new(stiffness, &partition, &[])?;
+        let of_kept = kept.iter().map(|&k| nodes[k]).collect();
+        groups.push(Some(Group { nodes: of_kept, stiffness: condensation.stiffness()? }));
+        fronts.push(Front { nodes, kept, condensation });
+    }
+    Ok((fronts, left.into_iter().filter_map(|k| groups[k].take()).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grid of 8 by 8 cells with 3 nodes inside of each of their sides: few fronts are larger than a row of it has nodes, each node is
+    /// eliminated once or left, and the numbers are far below those of one matrix.
+    #[test]
+    fn grids_are_dissected() {
+        let side = |across: usize, i: usize, j: usize| (0..3).map(move |k| ((across * 9 + i) * 9 + j) * 3 + k);
+        let cell = |k: usize| {
+            let (i, j) = (k % 8, k / 8);
+            let on_boundary = |at: usize| at == 0 || at == 8;
+            let sides = [(0, i, j), (0, i + 1, j), (1, j, i), (1, j + 1, i)];
+            sides
+                .into_iter()
+                .filter(|side| !on_boundary(side.1))
+                .flat_map(|(across, i, j)| side(across, i, j))
+                .collect()
+        };
+        let groups: Vec<Vec<usize>> = (0..64).map(cell).collect();
+        let mut all: Vec<usize> = groups.concat();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 3 * 2 * 7 * 8);
+        let (joins, left) = joins(groups.clone(), &|_| false);
+        assert!(left.len() <= FEW && joins.len() == 64 - left.len());
+        let eliminated: usize = joins.iter().map(|join| join.nodes.len() - join.kept.len()).sum();
+        let sizes = front_sizes(groups);
+        assert_eq!(eliminated + sizes[sizes.len() - 1] / 2, all.len());
+        let numbers: usize = sizes.iter().map(|n| n * n).sum();
+        assert!(2 * numbers < (2 * all.len()).pow(2), "{numbers}");
+        assert!(sizes.iter().all(|&n| n <= 2 * 3 * 8 * 3), "{sizes:?}");
+        // what is protected stays
+        let (_, left_of_all) = super::joins((0..9).map(|k| vec![k, k + 1]).collect(), &|_| true);
+        assert_eq!(left_of_all.len(), 9);
+    }
 }

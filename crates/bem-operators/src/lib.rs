@@ -91,6 +91,7 @@ pub use edge::{Edge, LARGEST_OPENING, Path};
 pub use enriched::{Enriched, EnrichedSteklov};
 pub use enrichment::{Bubbles, Enrichment};
 pub use error::BemError;
+pub use fronts::front_sizes;
 pub use load::{Datum, ElementMoments, Site, add_load, side_moments, side_moments_and_squares};
 pub use marking::{doerfler, legendre_decay};
 pub use mesh::{Mesh, edge_tangents};

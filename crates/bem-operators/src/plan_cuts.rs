@@ -90,7 +90,7 @@ pub struct CutPlan {
     pub unknowns: [usize; 3],
     /// Predicted cost of a mesh without cuts and with them (seconds of one core, for their ratio).
     pub cost: [f64; 2],
-    /// Bytes of V, K and W of such a mesh without cuts, and with them and the matrix of the skeleton.
+    /// Bytes of V, K and W of such a mesh without cuts, and with them and the fronts of the skeleton.
     pub bytes: [f64; 2],
 }
 
@@ -191,6 +191,8 @@ struct Planner<'a> {
     pitch: f64,
     lines: Vec<[[f64; 2]; 2]>,
     skeleton: usize,
+    /// Numbers in the fronts of the skeleton.
+    in_fronts: f64,
 }
 
 impl Polygon {
@@ -201,7 +203,8 @@ impl Polygon {
     pub fn plan_cuts(&self, rules: &CutRules) -> CutPlan {
         let perimeter: f64 = self.edges().iter().map(Edge::length).sum();
         let pitch = 4.0 * self.area().abs() / perimeter;
-        let mut planner = Planner { rules, known: RefCell::default(), pitch, lines: Vec::new(), skeleton: 0 };
+        let mut planner =
+            Planner { rules, known: RefCell::default(), pitch, lines: Vec::new(), skeleton: 0, in_fronts: 0.0 };
         let region = Region { outline: self.clone(), is_cut: vec![false; self.edges().len()] };
         let unknowns = planner.counts(&region)[0] as usize;
         let uncut = planner.dense(&region);
@@ -213,7 +216,7 @@ impl Polygon {
             subdomains: regions.len(),
             unknowns: [unknowns, largest, planner.skeleton],
             cost: [uncut, cost],
-            bytes: [bytes(&[unknowns as f64]), bytes(&own) + 8.0 * (planner.skeleton as f64).powi(2)],
+            bytes: [bytes(&[unknowns as f64]), bytes(&own) + 8.0 * planner.in_fronts],
             lines: planner.lines,
         }
     }
@@ -269,9 +272,10 @@ impl Planner<'_> {
         let Some(Bisection { cuts, pieces, of_skeleton, unknowns, .. }) = self.best(region, alone) else {
             return (vec![region.clone()], alone);
         };
-        let before = (self.lines.len(), self.skeleton);
+        let before = (self.lines.len(), self.skeleton, self.in_fronts);
         self.lines.extend(cuts);
         self.skeleton += unknowns;
+        self.in_fronts += (unknowns as f64 + self.counts(region)[2]).powi(2);
         let (mut regions, mut cost) = (Vec::new(), of_skeleton);
         for piece in pieces {
             let (parts, own) = self.bisect(&piece, depth + 1);
@@ -280,7 +284,7 @@ impl Planner<'_> {
         }
         if cost > GAIN * alone {
             self.lines.truncate(before.0);
-            self.skeleton = before.1;
+            (self.skeleton, self.in_fronts) = (before.1, before.2);
             return (vec![region.clone()], alone);
         }
         (regions, cost)

@@ -34,7 +34,7 @@ use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_coupling::Radiation;
 use steklov_elastic::Plane;
 use steklov_model::estimate::error_estimate::is_estimated;
-use steklov_model::mesh::layout::Layout;
+use steklov_model::mesh::layout::{Layout, Sizes};
 use steklov_model::run::memory::{Lack, memory_bytes};
 use steklov_problem::{
     Drawn, Friction, Interface, Law, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver, facets,
@@ -360,12 +360,13 @@ fn cost(scene: &Scene, layout: &Layout, estimated: bool) -> Cost {
         // the medium has matrices of its own, but one factorisation of the sum
         if scene.is_inclusion() { own + n * n * (n * (1.0 / 3.0 + 1.0 + 1.0) + 6.0 * x) } else { own }
     };
-    let of_skeleton = (layout.dofs_on_cuts() as f64).powi(3) / 3.0;
+    let Sizes { pieces, fronts } = layout.sizes(&scene.problem);
+    let of_fronts: f64 = fronts.into_iter().map(|n| (n as f64).powi(3) / 3.0).sum();
     Cost {
         elements: layout.subdivision.elements(),
         dofs: layout.dofs(),
         memory_bytes: memory_bytes(scene, layout),
-        operations: of_skeleton + layout.sizes(&scene.problem).into_iter().map(of).sum::<f64>(),
+        operations: of_fronts + pieces.into_iter().map(of).sum::<f64>(),
     }
 }
 

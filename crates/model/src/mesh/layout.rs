@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use steklov_bem_operators::{Cuts, Mark, Mesh, Piece, Space, Subdivision};
+use steklov_bem_operators::{Cuts, Mark, Mesh, Piece, Space, Subdivision, Subdomain, front_sizes};
 use steklov_contact::Tip;
 use steklov_problem::{DataError, DataErrorKind, Problem, Scene};
 
@@ -63,6 +63,15 @@ impl MeshedCuts {
     }
 }
 
+/// The sizes of the matrices of a layout.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sizes {
+    /// Elements and displacement unknowns of every subdomain; of a body that is not cut those of all.
+    pub pieces: Vec<[usize; 2]>,
+    /// Unknowns of the fronts by which those on cuts are eliminated.
+    pub fronts: Vec<usize>,
+}
+
 /// Vertices of both sides of a cut that are closer than this (edge parameter) are one.
 const SAME: f64 = 1e-9;
 
@@ -80,13 +89,22 @@ impl Layout {
         self.dofs() - self.subdivision.dofs()
     }
 
-    /// Elements and displacement unknowns of every subdomain; of a body that is not cut those of all.
-    pub fn sizes(&self, problem: &Problem) -> Vec<[usize; 2]> {
-        if let (Some(cuts), Ok(mesh)) = (&self.cuts, self.subdivision.mesh(&problem.outline)) {
-            let (subdomains, _) = cuts.cuts.subdomains(&mesh, &Space::new(&mesh), &cuts.elements);
-            return subdomains.iter().map(|one| [one.mesh.len(), one.space.dofs()]).collect();
+    /// The sizes of its matrices.
+    pub fn sizes(&self, problem: &Problem) -> Sizes {
+        let (Some(cuts), Ok(mesh)) = (&self.cuts, self.subdivision.mesh(&problem.outline)) else {
+            return Sizes { pieces: vec![[self.subdivision.elements(), self.dofs()]], fronts: Vec::new() };
+        };
+        let (subdomains, _) = cuts.cuts.subdomains(&mesh, &Space::new(&mesh), &cuts.elements);
+        let mut nodes: Vec<usize> = subdomains.iter().flat_map(|one| one.nodes.iter().copied()).collect();
+        nodes.sort_unstable();
+        let mut shared: Vec<usize> = nodes.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+        shared.dedup();
+        let of =
+            |one: &Subdomain| one.nodes.iter().copied().filter(|node| shared.binary_search(node).is_ok()).collect();
+        Sizes {
+            pieces: subdomains.iter().map(|one| [one.mesh.len(), one.space.dofs()]).collect(),
+            fronts: front_sizes(subdomains.iter().map(of).collect()),
         }
-        vec![[self.subdivision.elements(), self.dofs()]]
     }
 
     /// The layout with the same elements on both sides of cuts: all vertices of both, and the higher degree. Both sides then
