@@ -79,3 +79,27 @@ fn the_plan_tells_cuts_or_why_there_are_none() {
         assert!(told.contains(why), "{set}: {told}");
     }
 }
+
+/// A pressure in a narrow place moves all subdomains but one rigidly, with rotations that their arcs of degree 1 miss: the run goes on
+/// to J of that without cuts.
+#[test]
+fn a_narrow_pressure_on_one_hole_is_resolved() {
+    let place = Place::new();
+    let mut scene =
+        String::from("[body]\ncorners = [[0, 0], [3, 0], [3, 2], [0, 2]]\nsides = [\"b\", \"r\", \"t\", \"l\"]\n");
+    for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
+        let (x, y, radius) = (f64::from(i) + 0.5, f64::from(j) + 0.47, 0.3 + 0.02 * f64::from(i));
+        scene += &format!("[[body.holes]]\ncircle = {{ centre = [{x}, {y}], radius = {radius} }}\nside = \"h\"\n");
+    }
+    scene += "[material]\nyoung = 1\npoisson = 0.3\n[sides.l]\ndisplacement = [\"0\", \"free\"]\n";
+    scene += "[sides.b]\ndisplacement = [\"free\", \"0\"]\n";
+    scene += "[sides.h]\npressure = \"exp(-1000000*((x-0.29)^2+(y-0.683)^2))\"\n[method]\ncuts = \"auto\"\n";
+    place.write("plate.toml", &scene);
+    let cut = place.json(0, &["plate.toml"]);
+    assert!(cut["estimate_doubts"].as_array().unwrap().is_empty(), "{cut}");
+    let whole = place.json(0, &["plate.toml", "--set", "method.cuts=\"none\"", "--set", "method.tolerance=1e-5"]);
+    let number = |o: &Value, key: &str| o[key].as_f64().unwrap();
+    let off = (number(&cut, "energy_extrapolated") - number(&whole, "energy_extrapolated")).abs();
+    let told = number(&cut, "energy_uncertainty") + number(&whole, "energy_uncertainty");
+    assert!(off <= told && told < 1e-4 * number(&whole, "strain_energy"), "{off} {told}");
+}
