@@ -8,14 +8,19 @@
 //! ```
 //! The part of u0 that the nodes miss is not included: its solution, which has no jump of tractions, is orthogonal in the
 //! energy of body and medium to all that has no jump of displacements.
+//!
+//! Where S of a body or subdomain is PSP, P the projection off its rigid motions (see [`crate::solve::rotations`]), S₊ is
+//! `[P 0; 0 I] S₊ [P 0; 0 I]`: what nodal values miss of a rotation on curves is no error.
 
 use std::sync::Arc;
 
 use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, PairCache, Subdomain};
+use steklov_elastic::RigidMotion;
 use steklov_elastic::plane::{dot, solve2};
 
 use crate::data::parts::Assembled;
 use crate::solve::body::{Body, Factors};
+use crate::solve::rotations::{orthonormal, project_off_basis};
 
 /// The blocks that S₊ of the enriched spaces needs besides S, for bodies and for the medium around one.
 #[derive(Clone)]
@@ -40,11 +45,19 @@ struct Place {
     elements: Vec<usize>,
     /// The signs of the bubbles relative to those of all.
     signs: Vec<f64>,
+    /// The rigid motions that P projects off, an orthonormal basis of nodal values.
+    motions: Vec<Vec<f64>>,
 }
 
 impl Place {
-    fn of(part: &Subdomain) -> Self {
-        Self { nodes: part.nodes.clone(), elements: part.elements.clone(), signs: part.bubble_signs() }
+    fn of(part: &Subdomain, turning: &[RigidMotion]) -> Self {
+        let motions: Vec<Vec<f64>> = turning.iter().map(|motion| motion.nodal(&part.space.points)).collect();
+        Self {
+            nodes: part.nodes.clone(),
+            elements: part.elements.clone(),
+            signs: part.bubble_signs(),
+            motions: orthonormal(&motions),
+        }
     }
 }
 
@@ -58,7 +71,7 @@ impl EnrichedBody {
         let outside =
             body.outside.as_ref().map(|outside| outside.enriched(&body.mesh, &body.space, cache)).transpose()?;
         let mut bodies = Vec::new();
-        for Assembled { piece, length, traction_map, enriched, modulus, .. } in &mut body.pieces {
+        for Assembled { piece, length, traction_map, enriched, modulus, turning, .. } in &mut body.pieces {
             let part = &piece.part;
             let enriched = match enriched.take() {
                 Some(enriched) => enriched,
@@ -67,7 +80,7 @@ impl EnrichedBody {
                     Arc::new(EnrichedSteklov::new(mesh, space, &piece.material, *length, traction_map, cache)?)
                 }
             };
-            bodies.push(EnrichedPiece { enriched, modulus: *modulus, place: Arc::new(Place::of(part)) });
+            bodies.push(EnrichedPiece { enriched, modulus: *modulus, place: Arc::new(Place::of(part, turning)) });
         }
         Ok(Self { bodies, outside: outside.map(Arc::new) })
     }
@@ -92,7 +105,7 @@ struct Part<'a> {
     enriched: &'a EnrichedSteklov,
     /// The factor of its operators.
     modulus: f64,
-    /// Nodal displacement.
+    /// P times the nodal displacement.
     u: Vec<f64>,
     place: Arc<Place>,
 }
@@ -112,22 +125,22 @@ impl Part<'_> {
         }
     }
 
-    /// The part of values of the nodes, two each.
-    fn base(&self, all: &[f64]) -> Vec<f64> {
-        own(&self.place.nodes, all)
-    }
-
-    /// Adds forces on its nodes, times its modulus, to those of all.
-    fn add_base(&self, all: &mut [f64], own: &[f64]) {
+    /// Adds P times forces on its nodes, times its modulus, to those of all.
+    fn add_base(&self, all: &mut [f64], mut own: Vec<f64>) {
+        project_off_basis(&mut own, &self.place.motions);
         for (node, own) in self.place.nodes.iter().zip(own.chunks_exact(2)) {
             (0..2).for_each(|i| all[2 * node + i] += self.modulus * own[i]);
         }
     }
 }
 
-/// The values of some nodes, two each.
-fn own(nodes: &[usize], all: &[f64]) -> Vec<f64> {
-    nodes.iter().flat_map(|node| [all[2 * node], all[2 * node + 1]]).collect()
+impl Place {
+    /// P times the part of values of the nodes, two each.
+    fn base(&self, all: &[f64]) -> Vec<f64> {
+        let mut own: Vec<f64> = self.nodes.iter().flat_map(|node| [all[2 * node], all[2 * node + 1]]).collect();
+        project_off_basis(&mut own, &self.motions);
+        own
+    }
 }
 
 impl<'a> Elastic<'a> {
@@ -135,7 +148,7 @@ impl<'a> Elastic<'a> {
         let of_body = |EnrichedPiece { enriched, modulus, place }: &'a EnrichedPiece| Part {
             enriched,
             modulus: *modulus,
-            u: own(&place.nodes, &factors.homogeneous),
+            u: place.base(&factors.homogeneous),
             place: place.clone(),
         };
         let mut parts: Vec<Part<'a>> = enriched.bodies.iter().map(of_body).collect();
@@ -149,6 +162,7 @@ impl<'a> Elastic<'a> {
                 nodes: (0..u.len() / 2).collect(),
                 elements: (0..elements).collect(),
                 signs: vec![1.0; elements],
+                motions: Vec::new(),
             }),
         };
         parts.extend(outside.map(of_medium));
@@ -204,7 +218,7 @@ impl<'a> Elastic<'a> {
         for part in &self.parts {
             let excess = part.enriched.excess(&part.u);
             gained += part.modulus * part.u.iter().zip(&excess.base).map(|(u, s)| u * s).sum::<f64>();
-            part.add_base(&mut all.base, &excess.base);
+            part.add_base(&mut all.base, excess.base);
             part.add_extra(&mut all.extra, &excess.extra);
         }
         (all, gained)
@@ -214,10 +228,10 @@ impl<'a> Elastic<'a> {
     pub(crate) fn multiply(&self, v: &Enriched, base_force: Vec<f64>) -> Enriched {
         let mut all = Enriched { base: base_force, extra: vec![0.0; v.extra.len()] };
         for part in &self.parts {
-            let own = Enriched { base: part.base(&v.base), extra: part.extra(&v.extra) };
+            let own = Enriched { base: part.place.base(&v.base), extra: part.extra(&v.extra) };
             // what it adds to S times the base part
             let Enriched { base, extra } = part.enriched.multiply(&own, &vec![0.0; own.base.len()]);
-            part.add_base(&mut all.base, &base);
+            part.add_base(&mut all.base, base);
             part.add_extra(&mut all.extra, &extra);
         }
         all

@@ -174,10 +174,7 @@ pub fn estimate(
     let held = held_tractions(scene, solved, &elastic, &indicators, (&frames, &of_springs));
     let unseen = unseen_of(scene, solved, factors, &indicators, &correction);
     let all: Vec<Bubble> = indicators.iter().chain(&of_cuts).copied().collect();
-    // rotations of subdomains, which arcs of low degree miss, may leave the correction without energy: then η is all there is
-    let two_level = || all.iter().map(|of| of.displacement + of.traction).sum();
-    let seen = if solved.field.is_cut() && squared <= 0.0 { two_level() } else { squared };
-    let error = combined_error(&all, seen, unseen, held, factors.difference);
+    let error = combined_error(&all, squared, unseen, held, factors.difference);
     let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
     let friction = data.friction_work_left(solved, factors)?;
     let turning = data.turning_work(solved, body, &factors.homogeneous);

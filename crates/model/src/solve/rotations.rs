@@ -89,9 +89,14 @@ pub(crate) fn project_off(matrix: &mut Mat<f64>, motions: &[Vec<f64>]) {
 
 /// Removes the parts of a load that do work on the motions.
 pub(crate) fn project_load_off(load: &mut [f64], motions: &[Vec<f64>]) {
-    for q in orthonormal(motions) {
-        let part: f64 = dot(load, &q);
-        load.iter_mut().zip(&q).for_each(|(f, q)| *f -= part * q);
+    project_off_basis(load, &orthonormal(motions));
+}
+
+/// P v, P = I - QQᵀ with the columns of `basis`, which are orthonormal.
+pub(crate) fn project_off_basis(v: &mut [f64], basis: &[Vec<f64>]) {
+    for q in basis {
+        let part: f64 = dot(v, q);
+        v.iter_mut().zip(q).for_each(|(v, q)| *v -= part * q);
     }
 }
 
@@ -103,7 +108,8 @@ pub(crate) fn rigid_motions(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
     [x, y, RigidMotion::about(centre, 1.0)].map(|motion| motion.nodal(points)).to_vec()
 }
 
-fn orthonormal(motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
+/// An orthonormal basis of the span of motions.
+pub(crate) fn orthonormal(motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for motion in motions {
         let mut q = motion.clone();
