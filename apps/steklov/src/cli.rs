@@ -32,7 +32,7 @@ use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::run::expect::check_expect;
 use steklov_model::stochastic::OutcomeStage;
 use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
-use steklov_plan::{Plan, largest_mesh, plan, without_memory};
+use steklov_plan::{Plan, largest_mesh, plan, plan_with_mesh, without_memory};
 use steklov_problem::{Refine, grid_of, moduli};
 use steklov_report::summary::expectation;
 use steklov_report::told::{advice, crossing_warning};
@@ -270,7 +270,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         report::check_place("--report", folder, args.force || args.resume)?;
     }
     check_expect(scene).map_err(|e| Failure(document.error(e).render()))?;
-    let plan = plan(scene);
+    let (plan, layout) = plan_with_mesh(scene);
     let refused = too_many_dofs(scene, plan.cost.dofs)
         .or_else(|| too_much_memory(scene, plan.cost.memory_bytes))
         .or_else(|| too_many_points(scene))
@@ -286,8 +286,11 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let reading = clock.elapsed().as_secs_f64();
     let old = old_result(&out, args.resume)?;
     let (record, held) = match scene.is_on_grid() {
-        true => solve_by::<OnGrid>(args, &document, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
-        false => solve_by::<BoundaryElements>(args, &document, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
+        true => solve_by::<OnGrid>(args, &document, (plan, None), &out, old.as_ref(), (&interrupts, &bar), reading)?,
+        false => {
+            let begin = (plan, layout);
+            solve_by::<BoundaryElements>(args, &document, begin, &out, old.as_ref(), (&interrupts, &bar), reading)?
+        }
     };
     bar.finish();
     let stored = match (record, &old) {
@@ -330,7 +333,7 @@ type Attempt = (Result<Record, SolveError>, usize);
 fn solve_by<M: Keep>(
     args: &SolveArgs,
     document: &Document,
-    mut plan: Plan,
+    (mut plan, layout): (Plan, Option<M::Layout>),
     out: &Path,
     old: Option<&File>,
     (interrupts, bar): (&AtomicUsize, &Bar),
@@ -345,7 +348,7 @@ fn solve_by<M: Keep>(
     let saved = args.saved();
     let saving = !saved.is_empty();
     let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, store::Unsolved> {
-        let first = M::resume(scene, stored)?;
+        let first = M::resume(scene, stored, layout)?;
         if let Some(old) = old {
             // those of the last step are made anew if they are wanted
             copy_saved(old, file, if saving { first.steps.len() } else { held })?;

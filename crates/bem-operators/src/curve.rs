@@ -347,7 +347,7 @@ impl PolynomialCurve {
 }
 
 /// Half the large axis of the Bernstein ellipse of parameter 3.
-const AXIS: f64 = (INJECTIVE + 1.0 / INJECTIVE) / 2.0;
+pub(crate) const AXIS: f64 = (INJECTIVE + 1.0 / INJECTIVE) / 2.0;
 
 /// Σ a_k z^k.
 pub(crate) fn evaluate(a: &[Complex64], z: Complex64) -> Complex64 {

@@ -79,9 +79,14 @@ pub(crate) struct Arrangement {
 }
 
 impl Points {
+    /// The number of a point.
+    fn at(&self, x: [f64; 2]) -> Option<usize> {
+        let is_beside = |y: &[f64; 2]| (0..2).all(|i| (x[i] - y[i]).abs() <= self.near);
+        self.all.iter().position(|y| is_beside(y) && distance(x, *y) <= self.near)
+    }
+
     fn number(&mut self, x: [f64; 2]) -> usize {
-        let near = self.near;
-        self.all.iter().position(|y| distance(x, *y) <= near).unwrap_or_else(|| {
+        self.at(x).unwrap_or_else(|| {
             self.all.push(x);
             self.all.len() - 1
         })
@@ -177,10 +182,9 @@ impl Polygon {
 
     /// The boundary between all points on it, in the direction of traversal.
     fn split_boundary(&self, points: &Points, halves: &mut Vec<Half>) -> Result<(), CutError> {
-        let at = |x: [f64; 2]| points.all.iter().position(|y| distance(x, *y) <= points.near);
         for (number, edge) in self.edges().iter().enumerate() {
             let [first, last] = if edge.reversed { [1.0, 0.0] } else { [0.0, 1.0] };
-            let (Some(start), Some(end)) = (at(edge.start), at(edge.end)) else {
+            let (Some(start), Some(end)) = (points.at(edge.start), points.at(edge.end)) else {
                 unreachable!("all corners are points")
             };
             let mut on = vec![(first, start), (last, end)];

@@ -15,6 +15,10 @@ impl Edge {
     /// Distance of x from the edge and the parameter of the nearest point, if it is below `least`.
     pub fn nearest(&self, x: [f64; 2], mut least: f64) -> Option<(f64, f64)> {
         let [a, b] = self.listed();
+        let off = self.off_box(x);
+        if off[0].max(off[1]) > least * (1.0 + 1e-9) {
+            return None;
+        }
         if self.is_line() {
             let found = nearest_on_segment(x, a, b);
             return (found.0 <= least).then_some(found);
@@ -42,6 +46,12 @@ impl Edge {
         best.map(|(gap, s)| self.polished(x, gap, s))
     }
 
+    /// Distances, along both axes, of a point from a box around the edge; negative between its sides.
+    fn off_box(&self, x: [f64; 2]) -> [f64; 2] {
+        let (a, b, deviation) = (self.start, self.end, self.deviation(0.0, 1.0) * (1.0 + 1e-9));
+        [0, 1].map(|i| (a[i].min(b[i]) - x[i]).max(x[i] - a[i].max(b[i])) - deviation)
+    }
+
     /// Newton's method for (γ - x)·γ' = 0.
     fn polished(&self, x: [f64; 2], gap: f64, s: f64) -> (f64, f64) {
         let mut best = (gap, s);
@@ -60,6 +70,10 @@ impl Edge {
 
     /// Where the line through x along a unit vector n meets the edge: parameters and distances along n.
     pub fn met_by(&self, x: [f64; 2], n: [f64; 2]) -> Vec<(f64, f64)> {
+        let [a, b] = [self.start, self.end].map(|end| cross(minus(end, x), n));
+        if a * b > 0.0 && a.abs().min(b.abs()) > 1e-9 * a.abs().max(b.abs()) + self.deviation(0.0, 1.0) * (1.0 + 1e-9) {
+            return Vec::new();
+        }
         if let Path::Arc { opening } = self.path {
             return self.arc_met_by(opening, x, n);
         }
@@ -178,6 +192,10 @@ impl Edge {
     pub fn crossings(&self, x: [f64; 2]) -> i32 {
         let sign = if self.reversed { -1 } else { 1 };
         let [a, b] = self.listed();
+        let off = self.off_box(x);
+        if off[1] > 0.0 || off[0] > 0.0 && x[0] > a[0] {
+            return 0;
+        }
         let mut sum = 0;
         let mut stack = vec![(0.0, 1.0, a, b)];
         while let Some((low, high, a, b)) = stack.pop() {

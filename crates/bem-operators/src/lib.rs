@@ -57,6 +57,7 @@ mod inner;
 mod curved_pair;
 mod far;
 mod far_curved;
+mod far_potential;
 mod fronts;
 mod kernel;
 mod local_functions;

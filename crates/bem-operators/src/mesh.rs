@@ -10,6 +10,7 @@ use steklov_quadrature::gauss_legendre;
 use crate::BemError;
 use crate::curve::{Curve, Shape};
 use crate::moments::Segment;
+use crate::predicates::diameter_of;
 
 /// Elements of all loops in the order of the polygon's edges, each loop traversed with the body to the left.
 ///
@@ -190,13 +191,7 @@ impl Mesh {
         for e in (0..self.len()).filter(|&e| !self.is_line(e)) {
             corners.extend([-1.0, -0.5, 0.0, 0.5].map(|t| self.point(e, t)));
         }
-        let mut d: f64 = 0.0;
-        for (i, a) in corners.iter().enumerate() {
-            for b in &corners[..i] {
-                d = d.max(distance(*a, *b));
-            }
-        }
-        d
+        diameter_of(&corners, distance)
     }
 
     /// End points of element e as complex numbers.

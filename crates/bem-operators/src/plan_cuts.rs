@@ -15,6 +15,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use num_complex::Complex64;
 use steklov_elastic::plane::{cross, distance, dot, minus};
 use steklov_quadrature::bernstein;
 
@@ -52,6 +53,9 @@ const STEEP: f64 = 0.5;
 const CLEAR: f64 = 0.12;
 const SHORT_EDGE: f64 = 0.3;
 const SHORTEST: f64 = 0.04;
+/// Points closer than this part of the pitch are one, edges whose tangents differ by less go on smoothly.
+const SAME: f64 = 1e-9;
+const SMOOTH: f64 = 1e-6;
 const VERTEX: f64 = 0.05;
 const ARC: f64 = 0.15;
 
@@ -98,17 +102,20 @@ impl Continuation {
     /// The smallest Bernstein parameter of a curve over all singular points and circles.
     pub fn rho(&self, curve: &Curve) -> f64 {
         let ends = curve.ends();
+        let half = ends.half().norm();
+        // (ρ + 1/ρ)/2 of a point: of a line from its distances from both ends
         let of = |x: [f64; 2]| {
-            let x = complex(x);
-            let preimage = curve.preimage([x - ends.start, x - ends.end]);
-            preimage.map_or(BEYOND, |[before, after]| bernstein((before + after) / 2.0))
+            let [to_start, to_end] = [complex(x) - ends.start, complex(x) - ends.end];
+            if curve.is_line() {
+                let relative = |r: Complex64| (r / half).norm_sqr().sqrt();
+                return (relative(to_start) + relative(to_end)) / 2.0;
+            }
+            let parameter = curve.preimage([to_start, to_end]).map_or(BEYOND, |[a, b]| bernstein((a + b) / 2.0));
+            (parameter + 1.0 / parameter) / 2.0
         };
         let mut least = self.singular.iter().map(|&x| of(x)).fold(f64::INFINITY, f64::min);
-        let (middle, half) = ((ends.start + ends.end) / 2.0, ends.half().norm());
         for &(c, r) in &self.circles {
-            // on the circle about 0 through z the parameter is smallest at |z|
-            let near = ((complex(c) - middle).norm() - r) / half;
-            if curve.is_line() && near >= (least + 1.0 / least) / 2.0 {
+            if Self::smallest_axis(curve, (c, r)) >= least {
                 continue;
             }
             let at = |k: usize| {
@@ -117,7 +124,19 @@ impl Continuation {
             };
             least = (0..12).map(|k| of(at(k))).fold(least, f64::min);
         }
-        least
+        // 1 + what may be small
+        let beyond = (least - 1.0).max(0.0);
+        1.0 + beyond + (beyond * (beyond + 2.0)).sqrt()
+    }
+
+    /// Lower bound of (ρ + 1/ρ)/2 on a circle: |z| of its nearest point. For an arc of half opening α, |z| ≥ log(1 + d/R)/α.
+    fn smallest_axis(curve: &Curve, (c, r): ([f64; 2], f64)) -> f64 {
+        let off = |x: Complex64| (complex(c) - x).norm() - r;
+        match curve {
+            Curve::Line(ends) => off((ends.start + ends.end) / 2.0) / ends.half().norm(),
+            Curve::Arc(arc) => (off(curve.point(0.0)).max(0.0) / arc.radius).ln_1p() / arc.half_opening.abs(),
+            Curve::Polynomial(_) => 0.0,
+        }
     }
 
     /// The degree of an element at which its error is below `wanted`: 1 + ln(1/wanted)/ln ρ.
@@ -125,6 +144,11 @@ impl Continuation {
         let rho = self.rho(curve).clamp(RHO, 1e3);
         1 + (-wanted.ln() / rho.ln()).ceil().max(1.0) as usize
     }
+}
+
+/// Whether an edge parameter is that of an end.
+fn is_end(s: f64) -> bool {
+    s == 0.0 || s == 1.0
 }
 
 /// A straight part of a cut.
@@ -335,6 +359,7 @@ impl Planner<'_> {
                     crossings.extend(edge.met_by(from, along).into_iter().map(|(s, d)| (d, e, s)));
                 }
                 crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+                crossings.dedup_by(|b, a| self.is_one_crossing(edges, *a, *b));
                 let steep = |&(_, e, s): &(f64, usize, f64)| cross(along, edges[e].tangent(s)).abs() >= STEEP;
                 if crossings.len() < 2 || !crossings.len().is_multiple_of(2) || !crossings.iter().all(steep) {
                     continue;
@@ -352,13 +377,36 @@ impl Planner<'_> {
         lines
     }
 
+    /// Whether two crossings of a line are one, at a vertex where two edges go on smoothly.
+    fn is_one_crossing(&self, edges: &[Edge], a: (f64, usize, f64), b: (f64, usize, f64)) -> bool {
+        (b.0 - a.0).abs() < SAME * self.pitch && is_end(a.2) && is_end(b.2) && self.joint(edges, a.1, a.2) == Some(b.1)
+    }
+
+    /// The edge that goes on smoothly from an end of an edge.
+    fn joint(&self, edges: &[Edge], e: usize, s: f64) -> Option<usize> {
+        let (x, tangent) = (edges[e].point(s), edges[e].tangent(s));
+        let goes_on = |other: &Edge| {
+            let at_end = distance(other.end, x) < SAME * self.pitch;
+            let meets = at_end || distance(other.start, x) < SAME * self.pitch;
+            let there = if at_end { other.at_end() } else { 1.0 - other.at_end() };
+            meets && distance(other.tangent(there), tangent) < SMOOTH
+        };
+        edges
+            .iter()
+            .enumerate()
+            .position(|(k, other)| k != e && other.loop_index == edges[e].loop_index && goes_on(other))
+    }
+
     /// The cuts of a line, if all of them keep their distances.
     fn admissible(&self, region: &Region, line: &Line) -> Option<Vec<[[f64; 2]; 2]>> {
         let edges = region.outline.edges();
         for &(_, e, s) in &line.crossings {
             let (edge, length) = (&edges[e], edges[e].length() / self.pitch);
             let clearance = CLEAR * length.clamp(SHORT_EDGE, 1.0);
-            if s.min(1.0 - s) * length < clearance || !region.is_cut[e] && self.rules.kept.contains(&edge.side) {
+            let at_joint = || is_end(s) && self.joint(edges, e, s).is_some();
+            if s.min(1.0 - s) * length < clearance && !at_joint()
+                || !region.is_cut[e] && self.rules.kept.contains(&edge.side)
+            {
                 return None;
             }
         }
@@ -373,8 +421,12 @@ impl Planner<'_> {
                 let (along, across) = (dot(r, line.along), cross(line.along, r).abs());
                 across + (pair[0].0 - along).max(along - pair[1].0).max(0.0)
             };
-            let near_vertex = || edges.iter().any(|edge| off(edge.start) < VERTEX * self.pitch);
-            let is_crossed = |e: usize| line.crossings.iter().any(|&(_, crossed, _)| crossed == e);
+            let is_met = |x: [f64; 2]| cut.iter().any(|end| distance(*end, x) < SAME * self.pitch);
+            let near_vertex = || edges.iter().any(|edge| off(edge.start) < VERTEX * self.pitch && !is_met(edge.start));
+            let is_crossed = |e: usize| {
+                let touched = is_met(edges[e].start) || is_met(edges[e].end);
+                touched || line.crossings.iter().any(|&(_, crossed, _)| crossed == e)
+            };
             let near_arc = || {
                 let arcs = edges.iter().enumerate().filter(|(e, edge)| !edge.is_line() && !is_crossed(*e));
                 let mut close = arcs.map(|(_, edge)| {

@@ -7,7 +7,7 @@ use steklov_elastic::plane::{cross, distance, minus, unit};
 use crate::edge::{Edge, LARGEST_OPENING, Path, angle};
 use crate::edge_check::{LEAST_ANGLE, meeting, own_meeting};
 use crate::polygon::{Loop, area_of, listed_edges};
-use crate::predicates::{nearest_on_segment, orientation};
+use crate::predicates::{diameter_of, nearest_on_segment, orientation};
 
 /// An edge as the user lists it; corners count from 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -191,14 +191,9 @@ pub(crate) fn tolerance(loops: &[Loop]) -> (f64, f64) {
         false => listed_edges(l).iter().flat_map(Edge::extent).collect(),
     };
     let corners: Vec<[f64; 2]> = loops.iter().flat_map(points).collect();
-    let mut square: f64 = 0.0;
-    for (i, a) in corners.iter().enumerate() {
-        for b in &corners[..i] {
-            square = square.max((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2));
-        }
-    }
+    let diameter = diameter_of(&corners, |a, b| ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt());
     let far = corners.iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
-    (square.sqrt(), (1e-12 * square.sqrt()).max(4.0 * f64::EPSILON * far))
+    (diameter, (1e-12 * diameter).max(4.0 * f64::EPSILON * far))
 }
 
 /// Diameters from the origin at which a body still has six digits of its shape, and beyond which it is refused.

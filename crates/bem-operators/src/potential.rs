@@ -9,12 +9,15 @@
 //! Gradients are taken after integration by parts along the closed curve, so that nothing stronger than a logarithm at
 //! the element ends is left.
 
+use std::sync::OnceLock;
+
 use num_complex::Complex64;
 use steklov_elastic::plane::{dot, turned};
 use steklov_elastic::{Material, RigidMotion};
 use steklov_quadrature::{legendre_dq, legendre_p, legendre_q, legendre_q_cut};
 
 use crate::curve::Curve;
+use crate::far_potential::{Nodes, Series, reach, rule_at};
 use crate::inner::Inner;
 use crate::kernel::Constants;
 use crate::moments::Segment;
@@ -55,6 +58,10 @@ pub(crate) struct Piece {
     derivative: Vec<[f64; 2]>,
     /// ψ[n], n = 0..p.
     pub(crate) traction: Vec<[f64; 2]>,
+    /// γ(0), the distances from there at which the rules of distant points hold, and their nodes.
+    middle: Complex64,
+    reach: [f64; 3],
+    nodes: [OnceLock<Nodes>; 3],
 }
 
 /// Values at a point inside the body.
@@ -106,6 +113,9 @@ impl BoundaryField {
             let curve = mesh.curve(e);
             Piece {
                 segment,
+                middle: curve.point(0.0),
+                reach: reach(&curve),
+                nodes: Default::default(),
                 half: curve.half_length(),
                 log_length: length.ln(),
                 curve,
@@ -131,6 +141,13 @@ impl BoundaryField {
         Self { motion, ..self }
     }
 
+    /// The same field with exact integrals over all elements.
+    #[cfg(test)]
+    pub(crate) fn by_exact_integrals(mut self) -> Self {
+        self.elements.iter_mut().for_each(|piece| piece.reach = [f64::INFINITY; 3]);
+        self
+    }
+
     /// The rigid motion that is added, at a point.
     fn motion_at(&self, x: Complex64) -> [f64; 2] {
         self.motion.as_ref().map_or([0.0; 2], |motion| motion.at([x.re, x.im]))
@@ -149,33 +166,12 @@ impl BoundaryField {
         let (mut u, mut gradient) = ([0, 1].map(|i| self.constant[i] + r[i]), [[0.0; 2]; 2]);
         let mut at = AtPoint::default();
         for piece in &self.elements {
-            let Segment { start, end } = piece.segment;
-            at.off_piece(piece, [x - start, x - end], true);
-            let scale = piece.half * k.c_v;
-            for n in 0..piece.traction.len() {
-                let (t, d) = (piece.traction[n], piece.derivative[n]);
-                let add = |sum: &mut [f64; 2], log: f64, [xx, yy, xy]: [f64; 3]| {
-                    sum[0] += scale * ((xx - k.kappa * log) * t[0] + xy * t[1]);
-                    sum[1] += scale * (xy * t[0] + (yy - k.kappa * log) * t[1]);
-                    // H J û', J û' = (-û'_y, û'_x)
-                    let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
-                    sum[0] -= -hxx * d[1] + hxy * d[0];
-                    sum[1] -= -hxy * d[1] + hyy * d[0];
-                };
-                add(&mut u, at.log(n), at.direction(n));
-                for (axis, along) in [Complex64::ONE, Complex64::I].into_iter().enumerate() {
-                    let (log, rr) = at.slope(n, along);
-                    let mut sum = [0.0; 2];
-                    add(&mut sum, log, rr);
-                    let double = at.double_slope(n, along);
-                    gradient[0][axis] += sum[0] - double * d[0];
-                    gradient[1][axis] += sum[1] - double * d[1];
+            match rule_at(piece.reach, (x - piece.middle).norm_sqr()) {
+                Some(rule) => {
+                    let nodes = || Nodes::new(&piece.curve, rule, &piece.series(k), piece.log_length);
+                    piece.nodes[rule].get_or_init(nodes).add(x, &mut u, &mut gradient);
                 }
-            }
-            for (n, c) in piece.displacement.iter().enumerate() {
-                let double = at.double(n);
-                u[0] -= double * c[0];
-                u[1] -= double * c[1];
+                None => piece.add_near(k, x, &mut at, &mut u, &mut gradient),
             }
         }
         Inside { displacement: u, gradient, stress: self.material.stress(gradient) }
@@ -299,6 +295,54 @@ fn series(c: &[[f64; 2]], p: &[f64]) -> [f64; 2] {
 }
 
 impl Piece {
+    /// The functions of [`crate::far_potential`].
+    fn series(&self, k: &Constants) -> Series {
+        let scale = self.half * k.c_v;
+        // J u' = (-u'_y, u'_x)
+        let of = |t_factor: f64, h: f64| {
+            let both = self.traction.iter().zip(&self.derivative);
+            both.map(|(t, d)| [t_factor * t[0] + h * d[1], t_factor * t[1] - h * d[0]]).collect()
+        };
+        Series {
+            a: of(scale, k.h_rr),
+            b: of(-k.kappa * scale, k.h_log),
+            derivative: self.derivative.clone(),
+            displacement: self.displacement.clone(),
+        }
+    }
+
+    /// Adds the displacement and its gradient at a point off the element, by exact integrals.
+    fn add_near(&self, k: &Constants, x: Complex64, at: &mut AtPoint, u: &mut [f64; 2], gradient: &mut [[f64; 2]; 2]) {
+        let Segment { start, end } = self.segment;
+        at.off_piece(self, [x - start, x - end], true);
+        let scale = self.half * k.c_v;
+        for n in 0..self.traction.len() {
+            let (t, d) = (self.traction[n], self.derivative[n]);
+            let add = |sum: &mut [f64; 2], log: f64, [xx, yy, xy]: [f64; 3]| {
+                sum[0] += scale * ((xx - k.kappa * log) * t[0] + xy * t[1]);
+                sum[1] += scale * (xy * t[0] + (yy - k.kappa * log) * t[1]);
+                // H J û', J û' = (-û'_y, û'_x)
+                let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
+                sum[0] -= -hxx * d[1] + hxy * d[0];
+                sum[1] -= -hxy * d[1] + hyy * d[0];
+            };
+            add(u, at.log(n), at.direction(n));
+            for (axis, along) in [Complex64::ONE, Complex64::I].into_iter().enumerate() {
+                let (log, rr) = at.slope(n, along);
+                let mut sum = [0.0; 2];
+                add(&mut sum, log, rr);
+                let double = at.double_slope(n, along);
+                gradient[0][axis] += sum[0] - double * d[0];
+                gradient[1][axis] += sum[1] - double * d[1];
+            }
+        }
+        for (n, c) in self.displacement.iter().enumerate() {
+            let double = at.double(n);
+            u[0] -= double * c[0];
+            u[1] -= double * c[1];
+        }
+    }
+
     /// The traction, Σ ψ_n P_n times half of the length over |γ'|, from the P_n.
     fn traction_at(&self, p: &[f64], speed: f64) -> [f64; 2] {
         let sum = series(&self.traction, p);

@@ -2,7 +2,7 @@
 
 use robust::{Coord, orient2d};
 
-use steklov_elastic::plane::{cross, distance, dot, minus, unit};
+use steklov_elastic::plane::{cross, distance, dot, minus, norm, unit};
 
 /// Twice the area of the triangle a, b, c: its sign is exact, positive when c is to the left of a → b.
 pub(crate) fn orientation(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
@@ -15,6 +15,27 @@ pub fn distance_to_segment(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
     let (d, r) = (minus(b, a), minus(x, a));
     let s = (dot(r, d) / dot(d, d)).clamp(0.0, 1.0);
     distance(r, d.map(|d| s * d))
+}
+
+/// Largest distance of two points, `distance` of a and b that of two of them. Pairs that are too near to the middle of all are left
+/// out.
+pub(crate) fn diameter_of(points: &[[f64; 2]], distance: impl Fn([f64; 2], [f64; 2]) -> f64) -> f64 {
+    let along = |i: usize| points.iter().map(move |x| x[i]);
+    let middle = [0, 1].map(|i| {
+        let [low, high] = [along(i).fold(f64::INFINITY, f64::min), along(i).fold(f64::NEG_INFINITY, f64::max)];
+        low + (high - low) / 2.0
+    });
+    let mut far: Vec<(f64, [f64; 2])> = points.iter().map(|&x| (norm(minus(x, middle)), x)).collect();
+    far.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut largest = 0.0;
+    for (i, (a, x)) in far.iter().enumerate() {
+        if (a + far[0].0) * (1.0 + 1e-12) < largest {
+            break;
+        }
+        let reaching = far[..i].iter().take_while(|(b, _)| (a + b) * (1.0 + 1e-12) >= largest);
+        largest = reaching.fold(largest, |largest, (_, y)| distance(*x, *y).max(largest));
+    }
+    largest
 }
 
 /// Distance of x from the segment a → b, and the parameter s ∈ [0, 1] of the nearest point.

@@ -258,7 +258,7 @@ fn solve<M: Keep>(scene: &Scene, interrupts: &AtomicUsize) -> Result<Made, Strin
         let [needed, left] = [plan.cost.memory_bytes, left].map(|bytes| bytes as f64 / f64::from(1 << 30));
         return Err(format!("it needs about {needed:.1} GiB of memory, and {left:.1} GiB are left"));
     }
-    let first = M::resume(scene, Vec::new()).map_err(told)?;
+    let first = M::resume(scene, Vec::new(), None).map_err(told)?;
     let mut run = run(scene, first, interrupts, &mut |_, _| Ok(())).map_err(told)?;
     let outcomes = M::outcomes(scene, &mut run, interrupts, &|_, _| {}, &mut |_| Ok(())).map_err(told)?;
     let record = Record::new(scene, plan, &run, outcomes, Path::new(""), 0.0);

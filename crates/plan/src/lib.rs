@@ -84,7 +84,18 @@ pub use random::points;
 
 /// Chooses the model of a scene.
 pub fn plan(scene: &Scene) -> Plan {
-    let mut plan = if scene.is_on_grid() { grid::plan(scene) } else { boundary_plan(scene) };
+    plan_with_mesh(scene).0
+}
+
+/// The plan of a scene, and of boundary elements the first mesh: a run that begins with it does not look for cuts again.
+pub fn plan_with_mesh(scene: &Scene) -> (Plan, Option<Layout>) {
+    let (mut plan, layout) = match scene.is_on_grid() {
+        true => (grid::plan(scene), None),
+        false => {
+            let (plan, layout) = boundary_plan(scene);
+            (plan, Some(layout))
+        }
+    };
     plan.left_out.extend(scene.unused.iter().map(|name| {
         let (what, why) = match scene.parameters.contains_key(name) {
             true => ("parameter", "no expression uses it"),
@@ -92,7 +103,7 @@ pub fn plan(scene: &Scene) -> Plan {
         };
         Decision { what: what.into(), choice: name.clone(), why: why.into() }
     }));
-    plan
+    (plan, layout)
 }
 
 /// The subject of the decision when memory ends the refinement.
@@ -141,8 +152,8 @@ pub(crate) fn plane(scene: &Scene) -> &'static str {
     }
 }
 
-/// The plan of boundary elements.
-fn boundary_plan(scene: &Scene) -> Plan {
+/// The plan of boundary elements, and the first mesh.
+fn boundary_plan(scene: &Scene) -> (Plan, Layout) {
     let method = &scene.method;
     let (layout, planned) = Layout::planned(scene);
     let dofs = layout.dofs();
@@ -192,7 +203,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
             "one large mesh: it would take several times the time and memory of the solution; any other refine has one",
         ));
     }
-    Plan { model: "bem".into(), modelled, left_out, cost: cost(scene, &layout, estimated) }
+    (Plan { model: "bem".into(), modelled, left_out, cost: cost(scene, &layout, estimated) }, layout)
 }
 
 /// The length in the logarithm of the kernel.

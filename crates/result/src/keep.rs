@@ -5,6 +5,7 @@ use steklov_io::{File, Group, IoError, invalid, vtkhdf};
 use steklov_model::data::on_mesh::OnMesh;
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
+use steklov_model::mesh::layout::Layout;
 use steklov_model::run::adaptive_loop::{Model, Progress, Run, Step};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::Trace;
@@ -19,11 +20,12 @@ use crate::steps;
 
 /// A model whose runs are kept in files.
 pub trait Keep: Model {
-    /// The beginning of a run; if steps are done already, the last one is solved again.
+    /// The beginning of a run, on the layout `first` if it is known; if steps are done already, the last one is solved again.
     ///
     /// # Errors
     /// The errors of a first grid.
-    fn resume(scene: &Scene, steps: Vec<Step<Self>>) -> Result<Progress<Self>, SolveError>;
+    fn resume(scene: &Scene, steps: Vec<Step<Self>>, first: Option<Self::Layout>)
+    -> Result<Progress<Self>, SolveError>;
 
     /// Writes a step into its group.
     ///
@@ -56,8 +58,9 @@ pub struct Fields {
 }
 
 impl Keep for BoundaryElements {
-    fn resume(scene: &Scene, steps: Vec<Step<BoundaryElements>>) -> Result<Progress<BoundaryElements>, SolveError> {
-        Ok(Progress::before_last(steps).unwrap_or_else(|| Progress::first(scene)))
+    fn resume(scene: &Scene, steps: Vec<Step<Self>>, first: Option<Layout>) -> Result<Progress<Self>, SolveError> {
+        let begin = || Progress { steps: Vec::new(), next: first.unwrap_or_else(|| Layout::first(scene)) };
+        Ok(Progress::before_last(steps).unwrap_or_else(begin))
     }
 
     fn save_step(at: &Group, step: &Step<BoundaryElements>) -> Result<(), IoError> {
@@ -89,7 +92,7 @@ fn or_nan(given: [Option<f64>; 2]) -> [f64; 2] {
 }
 
 impl Keep for OnGrid {
-    fn resume(scene: &Scene, steps: Vec<Step<Self>>) -> Result<Progress<Self>, SolveError> {
+    fn resume(scene: &Scene, steps: Vec<Step<Self>>, _: Option<Self::Layout>) -> Result<Progress<Self>, SolveError> {
         Progress::<Self>::new(scene, steps)
     }
 
