@@ -124,9 +124,32 @@ impl Nodes {
 
     /// Adds the displacement and its gradient at a distant point.
     pub(crate) fn add(&self, x: Complex64, u: &mut [f64; 2], gradient: &mut [[f64; 2]; 2]) {
-        // u, ∫F̄Ā, ∫e F̄Ā, the other parts of the slopes along x and y
+        let sums = pulp::Arch::new().dispatch(Sums { fours: &self.fours, x });
+        let [ux, uy, gx, gy, hx, hy, xx, xy, yx, yy] = sums.map(|[a, b, c, d]| (a + b) + (c + d));
+        let log = 0.5 * ((x - self.ends[0]).norm_sqr().ln() + (x - self.ends[1]).norm_sqr().ln()) - self.log_length;
+        u[0] += self.constant[0] + log * self.resultant[0] + ux;
+        u[1] += self.constant[1] + log * self.resultant[1] + uy;
+        gradient[0][0] += 0.5 * (gx - hx) + xx;
+        gradient[1][0] += 0.5 * (gy - hy) + xy;
+        gradient[0][1] += yx - 0.5 * (gy + hy);
+        gradient[1][1] += yy + 0.5 * (gx + hx);
+    }
+}
+
+/// u, ∫F̄Ā, ∫e F̄Ā and the other parts of the slopes along x and y at x, by lanes.
+struct Sums<'a> {
+    fours: &'a [Four],
+    x: Complex64,
+}
+
+impl pulp::NullaryFnOnce for Sums<'_> {
+    type Output = [[f64; 4]; 10];
+
+    #[inline(always)]
+    fn call(self) -> [[f64; 4]; 10] {
+        let x = self.x;
         let mut sums = [[0.0; 4]; 10];
-        for four in &self.fours {
+        for four in self.fours {
             let [y, slope, a, b, primitive, d, v] =
                 [&four.point, &four.slope, &four.a, &four.b, &four.primitive, &four.derivative, &four.displacement];
             for k in 0..4 {
@@ -148,14 +171,7 @@ impl Nodes {
                 sums[9][k] += fy * b[1][k] - fx * d[1][k];
             }
         }
-        let [ux, uy, gx, gy, hx, hy, xx, xy, yx, yy] = sums.map(|[a, b, c, d]| (a + b) + (c + d));
-        let log = 0.5 * ((x - self.ends[0]).norm_sqr().ln() + (x - self.ends[1]).norm_sqr().ln()) - self.log_length;
-        u[0] += self.constant[0] + log * self.resultant[0] + ux;
-        u[1] += self.constant[1] + log * self.resultant[1] + uy;
-        gradient[0][0] += 0.5 * (gx - hx) + xx;
-        gradient[1][0] += 0.5 * (gy - hy) + xy;
-        gradient[0][1] += yx - 0.5 * (gy + hy);
-        gradient[1][1] += yy + 0.5 * (gx + hx);
+        sums
     }
 }
 

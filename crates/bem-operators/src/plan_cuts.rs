@@ -114,8 +114,13 @@ impl Continuation {
             (parameter + 1.0 / parameter) / 2.0
         };
         let mut least = self.singular.iter().map(|&x| of(x)).fold(f64::INFINITY, f64::min);
-        for &(c, r) in &self.circles {
-            if Self::smallest_axis(curve, (c, r)) >= least {
+        let middle = curve.point(0.0);
+        let mut reach = reach(curve, least);
+        // the nearest one first: most others are beyond its reach
+        let apart = |c: [f64; 2]| ((complex(c) - middle) / half).norm_sqr();
+        let nearest = self.circles.iter().min_by(|a, b| apart(a.0).total_cmp(&apart(b.0)));
+        for &(c, r) in nearest.into_iter().chain(&self.circles) {
+            if apart(c) >= ((reach + r) / half).powi(2) {
                 continue;
             }
             let at = |k: usize| {
@@ -123,26 +128,27 @@ impl Continuation {
                 [c[0] + r * cos, c[1] + r * sin]
             };
             least = (0..12).map(|k| of(at(k))).fold(least, f64::min);
+            reach = self::reach(curve, least);
         }
         // 1 + what may be small
         let beyond = (least - 1.0).max(0.0);
         1.0 + beyond + (beyond * (beyond + 2.0)).sqrt()
     }
 
-    /// Lower bound of (ρ + 1/ρ)/2 on a circle: |z| of its nearest point. For an arc of half opening α, |z| ≥ log(1 + d/R)/α.
-    fn smallest_axis(curve: &Curve, (c, r): ([f64; 2], f64)) -> f64 {
-        let off = |x: Complex64| (complex(c) - x).norm() - r;
-        match curve {
-            Curve::Line(ends) => off((ends.start + ends.end) / 2.0) / ends.half().norm(),
-            Curve::Arc(arc) => (off(curve.point(0.0)).max(0.0) / arc.radius).ln_1p() / arc.half_opening.abs(),
-            Curve::Polynomial(_) => 0.0,
-        }
-    }
-
     /// The degree of an element at which its error is below `wanted`: 1 + ln(1/wanted)/ln ρ.
     pub fn degree(&self, curve: &Curve, wanted: f64) -> usize {
         let rho = self.rho(curve).clamp(RHO, 1e3);
         1 + (-wanted.ln() / rho.ln()).ceil().max(1.0) as usize
+    }
+}
+
+/// Distance from the middle of a curve beyond which (ρ + 1/ρ)/2 ≥ |z| is larger than `least`; on an arc of half opening α
+/// |z| ≥ log(1 + d/R)/α.
+fn reach(curve: &Curve, least: f64) -> f64 {
+    match curve {
+        Curve::Line(ends) => least * ends.half().norm(),
+        Curve::Arc(arc) => arc.radius * (arc.half_opening.abs() * least).exp_m1(),
+        Curve::Polynomial(_) => f64::INFINITY,
     }
 }
 
@@ -352,11 +358,20 @@ impl Planner<'_> {
         for k in 0..DIRECTIONS {
             let (sin, cos) = (PI * k as f64 / DIRECTIONS as f64).sin_cos();
             let (along, across) = ([cos, sin], [-sin, cos]);
+            let reached: Vec<[f64; 2]> = edges
+                .iter()
+                .map(|edge| {
+                    let [a, b] = [edge.start, edge.end].map(|x| dot(across, x));
+                    let slack = edge.deviation(0.0, 1.0) + SAME * self.pitch;
+                    [a.min(b) - slack, a.max(b) + slack]
+                })
+                .collect();
             for offset in offsets(&region.outline, across, if k % 4 == 0 { 24 } else { 13 }) {
                 let from = across.map(|c| c * offset);
                 let mut crossings: Vec<(f64, usize, f64)> = Vec::new();
-                for (e, edge) in edges.iter().enumerate() {
-                    crossings.extend(edge.met_by(from, along).into_iter().map(|(s, d)| (d, e, s)));
+                let is_reached = |e: &usize| reached[*e][0] <= offset && offset <= reached[*e][1];
+                for e in (0..edges.len()).filter(is_reached) {
+                    crossings.extend(edges[e].met_by(from, along).into_iter().map(|(s, d)| (d, e, s)));
                 }
                 crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
                 crossings.dedup_by(|b, a| self.is_one_crossing(edges, *a, *b));

@@ -109,10 +109,16 @@ fn halve_long(subdivision: &mut Subdivision, polygon: &Polygon) {
     let edges = polygon.edges();
     for (edge, pieces) in edges.iter().zip(&mut subdivision.edges) {
         let body = |edge: &Edge| polygon.body_of_loop(edge.loop_index);
-        let near = |other: &&Edge| other.loop_index != edge.loop_index && body(other) == body(edge);
+        // no point of the edge is farther from its middle than half of its length
+        let (middle, length) = (edge.point(0.5), edge.length());
+        let near = |other: &&Edge| {
+            let reach = length * (1.0 + 1.0 / LONG);
+            let of_body = other.loop_index != edge.loop_index && body(other) == body(edge);
+            of_body && other.nearest(middle, reach).is_some()
+        };
         let others: Vec<&Edge> = edges.iter().filter(near).collect();
         let is_long = |piece: &Piece| {
-            let least = (piece.end - piece.start) * edge.length() / LONG;
+            let least = (piece.end - piece.start) * length / LONG;
             let at = |k: usize| edge.point(piece.start + (piece.end - piece.start) * k as f64 / 8.0);
             (0..=8).any(|k| others.iter().any(|other| other.nearest(at(k), least).is_some()))
         };
