@@ -6,7 +6,7 @@ use steklov_bem_operators::{Mark, Subdivision};
 use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::{Event, Progress, Run, Step, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
-use steklov_problem::{Refine, Scene};
+use steklov_problem::{Cutting, Refine, Scene};
 
 use crate::{adapt, scene};
 
@@ -20,7 +20,8 @@ pub struct Judged {
     pub energy: f64,
 }
 
-/// Block on a floor, wedge gap, the block with an unsymmetric load, stick inside contact, a kink off the middle, L-shape.
+/// Block on a floor, wedge gap, the block with an unsymmetric load, stick inside contact, a kink off the middle, L-shape; without
+/// cuts, whose elements have more unknowns.
 pub fn judged() -> [Judged; 6] {
     let tilted = r#"sides.top.traction=["0", "-500*(0.5-x)^2*(0.5+x)^2*(1+0.8*x)"]"#;
     [
@@ -33,7 +34,7 @@ pub fn judged() -> [Judged; 6] {
     ]
     .map(|(name, file, change, energy)| {
         let mut scene = scene(file, change.as_slice());
-        scene.method.tolerance = Some(1e-6);
+        (scene.method.tolerance, scene.method.cuts) = (Some(1e-6), Cutting::None);
         scene.method.max_dofs = Some(1400);
         Judged { name, scene, energy }
     })
@@ -75,13 +76,15 @@ pub fn line(x: &[f64], y: &[f64]) -> (f64, f64) {
     (xy / xx, xy * xy / (xx * yy))
 }
 
-/// A solved scene and the displacement of each step.
+/// A scene solved without cuts, and the displacement of each step: true errors are measured with one operator of the body.
 ///
 /// # Errors
 /// Those of [`run`].
 pub fn solved_in_steps(scene: &Scene) -> Result<(Run<BoundaryElements>, Vec<Vec<f64>>), SolveError> {
     let mut displacements = Vec::new();
-    let run = run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, event| {
+    let mut scene = scene.clone();
+    scene.method.cuts = Cutting::None;
+    let run = run(&scene, Progress::first(&scene), &AtomicUsize::new(0), &mut |_, event| {
         if let Event::Done { solved, .. } = event {
             displacements.push(solved.displacement.clone());
         }
@@ -97,7 +100,7 @@ pub fn solved_in_steps(scene: &Scene) -> Result<(Run<BoundaryElements>, Vec<Vec<
 /// Those of [`run`].
 pub fn finer(scene: &Scene, max_dofs: usize) -> Result<Subdivision, SolveError> {
     let mut fine = scene.clone();
-    fine.method.refine = Refine::Hp;
+    (fine.method.refine, fine.method.cuts) = (Refine::Hp, Cutting::None);
     fine.method.tolerance = Some(fine.method.tolerance() * 0.1);
     fine.method.max_dofs = Some(max_dofs);
     let mesh = adapt(&fine)?.last.mesh;

@@ -219,6 +219,8 @@ struct Planner<'a> {
     known: RefCell<HashMap<[u64; 4], usize>>,
     /// Length by which distances are judged: 4 area/perimeter, the pitch of a dense plate or the thickness of a long body.
     pitch: f64,
+    /// Whether the body has neither holes nor curves.
+    is_simple: bool,
     lines: Vec<[[f64; 2]; 2]>,
     skeleton: usize,
     /// Numbers in the fronts of the skeleton.
@@ -233,8 +235,15 @@ impl Polygon {
     pub fn plan_cuts(&self, rules: &CutRules) -> CutPlan {
         let perimeter: f64 = self.edges().iter().map(Edge::length).sum();
         let pitch = 4.0 * self.area().abs() / perimeter;
-        let mut planner =
-            Planner { rules, known: RefCell::default(), pitch, lines: Vec::new(), skeleton: 0, in_fronts: 0.0 };
+        let mut planner = Planner {
+            rules,
+            known: RefCell::default(),
+            pitch,
+            is_simple: self.loops().len() == 1 && self.edges().iter().all(Edge::is_line),
+            lines: Vec::new(),
+            skeleton: 0,
+            in_fronts: 0.0,
+        };
         let region = Region { outline: self.clone(), is_cut: vec![false; self.edges().len()] };
         let unknowns = planner.counts(&region)[0] as usize;
         let uncut = planner.dense(&region);
@@ -273,7 +282,10 @@ impl Planner<'_> {
             return [of_arcs * n, n];
         }
         let corners = [edge.start, edge.end].into_iter().filter(|x| self.rules.graded.contains(x)).count() as f64;
-        let n = (edge.length() / self.pitch - 1e-9).ceil().max(1.0);
+        let pitches = (edge.length() / self.pitch).max(1.0);
+        // beside holes the solution varies all along an edge, without them only near its ends
+        let n = if self.is_simple { 1.0 + 2.0 * pitches.log2() } else { pitches };
+        let n = (n - 1e-9).ceil();
         [corners * self.rules.of_corner as f64 + straight * n, n + 5.0 * corners]
     }
 

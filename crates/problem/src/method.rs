@@ -135,7 +135,7 @@ impl Default for Method {
             max_dofs: None,
             memory: None,
             max_steps: 60,
-            cuts: Cutting::None,
+            cuts: Cutting::Auto,
             indicator: Indicator::Bubble,
             estimators: false,
             marking: None,

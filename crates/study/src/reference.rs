@@ -16,7 +16,7 @@ use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::one_mesh::solve;
 use steklov_model::solve::solution::Solved;
 use steklov_model::stage::Stage;
-use steklov_problem::{Refine, Scene};
+use steklov_problem::{Cutting, Refine, Scene};
 use steklov_quadrature::legendre_p;
 
 use crate::error::StudyError;
@@ -97,7 +97,7 @@ impl Reference {
         observe: &mut Observer<'_, BoundaryElements>,
     ) -> Result<Self, StudyError> {
         let mut fine = scene.clone();
-        fine.method.refine = Refine::Hp;
+        (fine.method.refine, fine.method.cuts) = (Refine::Hp, Cutting::None);
         fine.method.marking = None;
         fine.method.tolerance = Some(TOLERANCE.max(SHARPER * scene.method.tolerance()));
         fine.method.max_dofs = Some(DOFS.max(scene.method.max_dofs() + scene.method.max_dofs() / 2));
@@ -143,7 +143,7 @@ impl Reference {
 
     /// ⟨S e, e⟩^½ of a step with the given nodal displacement, S and the exact solution from the common refinement with
     /// a level. None if it cannot be determined well enough: the error is not large beside that of the finest level,
-    /// the common refinement has too many unknowns, or its contact problem is not solved.
+    /// the common refinement has too many unknowns, its contact problem is not solved, or the step's body is cut into subdomains.
     ///
     /// # Errors
     /// As [`solve`]; [`SolveError::Interrupted`] after a second request to stop.
@@ -154,7 +154,8 @@ impl Reference {
         displacement: &[f64],
         interrupts: &AtomicUsize,
     ) -> Result<Option<f64>, SolveError> {
-        let Some(level) = self.level_for(step.estimate().error / self.norm) else { return Ok(None) };
+        let level = self.level_for(step.estimate().error / self.norm).filter(|_| step.layout.cuts.is_none());
+        let Some(level) = level else { return Ok(None) };
         let common = common_refinement(&step.layout.mesh, &level.subdivision);
         if common.dofs() > COMMON_DOFS {
             return Ok(None);
@@ -211,12 +212,16 @@ pub struct TrueError {
 ///
 /// # Errors
 /// As [`solve`].
+///
+/// # Panics
+/// If the displacement has other nodes than the mesh: a body that is cut into subdomains has more.
 pub fn true_error(
     scene: &Scene,
     mesh: &Mesh,
     displacement: &[f64],
     fine: &Subdivision,
 ) -> Result<TrueError, SolveError> {
+    assert_eq!(displacement.len(), Space::new(mesh).dofs(), "a displacement of the nodes of the mesh");
     distance(scene, mesh, displacement, &common_refinement(mesh, fine), &mut |_| Ok(()))
 }
 

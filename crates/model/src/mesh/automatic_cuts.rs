@@ -15,7 +15,7 @@ const FIRST: f64 = 0.1;
 /// error of meshes was 0.15 of it.
 const OF_ROOT: f64 = 0.33;
 /// Smallest gain for which a body is cut: predicted operations without cuts over those with them.
-const GAIN: f64 = 1.5;
+const GAIN: f64 = 2.5;
 /// A body with fewer unknowns is not cut.
 const FEWEST: usize = 600;
 /// Growth of the error of an element on a smooth part of the boundary by a degree less.

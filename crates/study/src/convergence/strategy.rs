@@ -11,7 +11,7 @@ use steklov_model::run::adaptive_loop::{Event, Progress, Reason, Run, Step, run}
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::solve::solution::Solved;
-use steklov_problem::{Multiplier, Refine, Scene};
+use steklov_problem::{Cutting, Multiplier, Refine, Scene};
 
 use super::{MEASURED, chosen};
 use crate::fit::{Fit, Law, fit};
@@ -198,7 +198,8 @@ pub fn strategy(
     watch: &mut Watch<'_>,
 ) -> Strategy {
     let mut scene = scene.clone();
-    scene.method.refine = refine;
+    // errors are measured with one Steklov-Poincaré operator of the body
+    (scene.method.refine, scene.method.cuts) = (refine, Cutting::None);
     let truth = for_truth(&scene);
     let what = |k: usize| format!("{name}, run {k} of {}", repeat.max(1));
     let first = Round::new(&scene, &what(1), true, watch);
