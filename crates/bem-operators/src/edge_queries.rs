@@ -50,8 +50,8 @@ impl Edge {
     fn off_box(&self, x: [f64; 2]) -> [f64; 2] {
         let (a, b) = (self.start, self.end);
         let deviation = match self.path {
-            // less than half of its chord
-            Path::Arc { opening } if opening.abs() <= PI => ((a[0] - b[0]).abs() + (a[1] - b[1]).abs()) / 2.0,
+            // at most half of its chord
+            Path::Arc { opening } if opening.abs() <= PI => 0.51 * ((a[0] - b[0]).abs() + (a[1] - b[1]).abs()),
             _ => self.deviation(0.0, 1.0) * (1.0 + 1e-9),
         };
         [0, 1].map(|i| (a[i].min(b[i]) - x[i]).max(x[i] - a[i].max(b[i])) - deviation)

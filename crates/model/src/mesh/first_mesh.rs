@@ -109,7 +109,7 @@ fn halve_long(subdivision: &mut Subdivision, polygon: &Polygon) {
     let edges = polygon.edges();
     for (edge, pieces) in edges.iter().zip(&mut subdivision.edges) {
         let body = |edge: &Edge| polygon.body_of_loop(edge.loop_index);
-        // no point of the edge is farther from its middle than half of its length
+        // no point of the edge is farther from this one than its length
         let (middle, length) = (edge.point(0.5), edge.length());
         let near = |other: &&Edge| {
             let reach = length * (1.0 + 1.0 / LONG);
