@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
-use steklov_bem_operators::{Cuts, Loop, Mark, Piece, Polygon, Subdivision};
+use steklov_bem_operators::{Cuts, Loop, Mark, Piece, Polygon, Space, Subdivision, Subdomain};
 use steklov_elastic::plane::distance;
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
@@ -11,7 +11,7 @@ use steklov_model::error::SolveError;
 use steklov_model::estimate::error_estimate::Estimate;
 use steklov_model::mesh::layout::{Layout, MeshedCuts};
 use steklov_model::run::adaptive_loop::{Progress, Reason, Run, run};
-use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::run::boundary_elements::{BoundaryElements, RefinedMesh};
 use steklov_model::solve::solution::Solved;
 use steklov_problem::{Condition, Contact, Friction, Refine, Scene, Springs};
 
@@ -223,7 +223,15 @@ fn cuts_that_are_refused() {
     assert!(attempt(&once, next).is_ok());
 }
 
-/// The adaptive loop on twenty circles in cells: J within what is told of finite elements' on the last step, and the estimate on all
+/// Number of subdomains of a mesh none of which is a translate of another one.
+fn different_subdomains(RefinedMesh { mesh, cuts, .. }: &RefinedMesh) -> usize {
+    let cuts = cuts.as_ref().expect("cuts");
+    let (parts, _) = cuts.cuts.subdomains(mesh, &Space::new(mesh), &cuts.elements);
+    let first = Subdomain::first_translates(&parts.iter().collect::<Vec<_>>());
+    first.iter().enumerate().filter(|(k, first)| k == *first).count()
+}
+
+/// The adaptive loop on twenty circles in cells, of which those that are translates of each other stay so: J within what is told of finite elements' on the last step, and the estimate on all
 /// steps. The error of displacements raises J and that of tractions lowers it, 2 (J_h - J) = E_u² - E_ψ²; the estimate is that of
 /// E_u² + E_ψ², so that E_ψ², known by its indicators, is added twice.
 #[test]
@@ -244,7 +252,10 @@ fn refinement_of_cuts() {
     let estimate = step.estimate();
     assert_eq!(run.reason, Reason::Tolerance);
     assert!((estimate.energy - exact).abs() <= estimate.uncertainty, "{estimate:?}");
+    let at_first = different_subdomains(&run.progress.steps[0].layout);
+    assert!(at_first < 20);
     for step in &run.progress.steps {
+        assert_eq!(different_subdomains(&step.layout), at_first);
         let estimate = step.estimate();
         let all = estimate.indicators.iter().chain(&estimate.of_cuts);
         let of_traction = all.map(|bubble| bubble.traction).sum::<f64>() / estimate.scale.powi(2);

@@ -30,7 +30,7 @@ use std::sync::Arc;
 use faer::Mat;
 
 use crate::condense::{Springs, add_springs};
-use crate::fronts::{Front, Group, dissect};
+use crate::skeleton::{Joined, Skeleton, nodes_of_skeleton};
 use crate::space::Dof;
 use crate::{BemError, Condensation, CondensedLoad, Partition};
 
@@ -114,73 +114,6 @@ enum Holder {
     Skeleton,
 }
 
-/// The unknowns of several bodies that remain when each body is condensed.
-#[derive(Debug, Clone)]
-struct Skeleton {
-    /// Those that are eliminated first.
-    fronts: Vec<Front>,
-    /// The nodes that are left, among those of the skeleton.
-    nodes: Vec<usize>,
-    condensation: Condensation,
-    joined: Arc<Joined>,
-}
-
-/// The data from which a skeleton is condensed, whatever the moduli of the bodies.
-#[derive(Debug)]
-struct Joined {
-    /// Its nodes, rising.
-    nodes: Vec<usize>,
-    /// The rows, numbered by the nodes of the skeleton, each before those of nodes that it faces.
-    rows: Vec<Relative>,
-    /// The nodes that each body has here with its condensed S_k; none of bodies that have no nodes here.
-    stiffness: Vec<Option<Group>>,
-    partition: Partition,
-    /// Motions that springs hold.
-    motions: Vec<Vec<f64>>,
-}
-
-impl Joined {
-    /// The skeleton of bodies whose S_k have these factors.
-    fn skeleton(self: Arc<Self>, moduli: &[f64]) -> Result<Skeleton, BemError> {
-        let protected = self.protected();
-        let groups = self.stiffness.iter().zip(moduli).filter_map(|(group, &modulus)| {
-            let Group { nodes, stiffness } = group.as_ref()?;
-            Some(Group { nodes: nodes.clone(), stiffness: stiffness * faer::Scale(modulus) })
-        });
-        let (fronts, groups) = dissect(groups.collect(), &|node| protected[node])?;
-        let mut nodes: Vec<usize> = groups.iter().flat_map(|group| group.nodes.iter().copied()).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let mut stiffness = Mat::zeros(2 * nodes.len(), 2 * nodes.len());
-        groups.iter().for_each(|group| group.add_to(&mut stiffness, &nodes));
-        let place = |node: usize| nodes.binary_search(&node).expect("a node that is left");
-        let dof = |dof: Dof| 2 * place(dof / 2) + dof % 2;
-        for Relative { node, direction, faced } in &self.rows {
-            let faced = faced.iter().map(|&(j, c)| (place(j), c)).collect();
-            substitute(&mut stiffness, &Relative { node: place(*node), direction: *direction, faced });
-        }
-        let partition = Partition {
-            kept: self.partition.kept.iter().map(|&of| dof(of)).collect(),
-            held: self.partition.held.iter().map(|&(of, value)| (dof(of), value)).collect(),
-            frames: self.partition.frames.iter().map(|&(node, frame)| (place(node), frame)).collect(),
-        };
-        let own = |motion: &Vec<f64>| nodes.iter().flat_map(|k| [motion[2 * k], motion[2 * k + 1]]).collect();
-        let motions: Vec<Vec<f64>> = self.motions.iter().map(own).collect();
-        let condensation = Condensation::new(stiffness, &partition, &motions)?;
-        Ok(Skeleton { fronts, nodes, condensation, joined: self })
-    }
-
-    /// Whether each node has a row, is faced, kept or held, or has a frame.
-    fn protected(&self) -> Vec<bool> {
-        let Partition { kept, held, frames } = &self.partition;
-        let mut protected = vec![false; self.nodes.len()];
-        let of_rows = self.rows.iter().flat_map(|row| row.faced.iter().map(|f| f.0).chain([row.node]));
-        let of_partition = kept.iter().copied().chain(held.iter().map(|held| held.0)).map(|dof| dof / 2);
-        of_rows.chain(of_partition).chain(frames.iter().map(|frame| frame.0)).for_each(|node| protected[node] = true);
-        protected
-    }
-}
-
 /// A load reduced to what is kept.
 #[derive(Debug, Clone)]
 pub struct AssembledLoad {
@@ -192,10 +125,10 @@ pub struct AssembledLoad {
 }
 
 impl Assembly {
-    /// Joins bodies, each given by its S_k and by the numbers of its nodes among all: nodes that several of them have are one.
-    /// `partition` and `motions` refer to all nodes, the partition to Z: for a node with rows it keeps or holds w. `rotations`
-    /// are nodal vectors of single bodies that rows need not leave free: springs hold them as couples,
-    /// [`Assembly::spring_forces`].
+    /// Joins bodies, each given by the number of its S_k among `matrices`, which equal bodies share, and by the numbers of its
+    /// nodes among all: nodes that several of them have are one. `partition` and `motions` refer to all nodes, the partition to Z:
+    /// for a node with rows it keeps or holds w. `rotations` are nodal vectors of single bodies that rows need not leave free:
+    /// springs hold them as couples, [`Assembly::spring_forces`].
     ///
     /// # Errors
     /// [`BemError::StiffnessSingular`] when bodies can move although the kept unknowns do not; [`BemError::Cycle`].
@@ -204,63 +137,42 @@ impl Assembly {
     /// If the nodes of a single body are not in their order.
     pub fn new(
         mut matrices: Vec<Mat<f64>>,
-        nodes_of: &[Vec<usize>],
+        of_bodies: &[(usize, Vec<usize>)],
         partition: &Partition,
         rows: &[Relative],
         motions: &[Vec<f64>],
         rotations: &[(usize, Vec<f64>)],
     ) -> Result<Self, BemError> {
-        let size = 2 * nodes_of.iter().flatten().max().map_or(0, |last| last + 1);
-        if matrices.len() == 1 && rows.is_empty() {
-            assert!(nodes_of[0].iter().copied().eq(0..size / 2), "the nodes of one body are in their order");
+        let size = 2 * of_bodies.iter().flat_map(|(_, nodes)| nodes).max().map_or(0, |last| last + 1);
+        if of_bodies.len() == 1 && rows.is_empty() {
+            let nodes = of_bodies[0].1.clone();
+            assert!(nodes.iter().copied().eq(0..size / 2), "the nodes of one body are in their order");
             let held = vec![Holder::Body(0); partition.held.len()];
             let condensation = Arc::new(Condensation::new(matrices.remove(0), partition, motions)?);
-            let body = Member { nodes: nodes_of[0].clone(), in_skeleton: Vec::new(), condensation };
+            let body = Member { nodes, in_skeleton: Vec::new(), condensation };
             return Ok(Self { bodies: vec![body], moduli: vec![1.0], skeleton: None, size, held, springs: Vec::new() });
         }
-        let nodes = nodes_of_skeleton(nodes_of, partition, rows);
+        let nodes = nodes_of_skeleton(of_bodies.iter().map(|(_, nodes)| nodes), partition, rows);
         let mut held = vec![Holder::Skeleton; partition.held.len()];
         let number_of_held: BTreeMap<Dof, usize> = partition.held.iter().map(|held| held.0).zip(0..).collect();
-        let (mut bodies, mut springs) = (Vec::new(), Vec::new());
-        let mut stiffness = Vec::new();
-        let mut alone: Vec<Vec<f64>> = Vec::new();
-        for (k, mut matrix) in matrices.into_iter().enumerate() {
-            let own = &nodes_of[k];
-            let number = |node: &usize| nodes.binary_search(node).ok();
-            let in_skeleton: Vec<(usize, usize)> =
-                own.iter().enumerate().filter_map(|(local, node)| Some((local, number(node)?))).collect();
-            let mut of_body = Partition {
-                kept: in_skeleton.iter().flat_map(|(local, _)| [2 * local, 2 * local + 1]).collect(),
-                ..Partition::default()
-            };
-            let mut held_here: Vec<(usize, Dof)> = Vec::new();
-            for (local, node) in own.iter().enumerate().filter(|(_, node)| number(node).is_none()) {
-                for i in 0..2 {
-                    held_here.extend(number_of_held.get(&(2 * node + i)).map(|&h| (h, 2 * local + i)));
-                }
-            }
-            held_here.sort_unstable();
-            for (h, dof) in held_here {
-                held[h] = Holder::Body(k);
-                of_body.held.push((dof, partition.held[h].1));
-            }
+        let (mut bodies, mut springs, mut stiffness) = (Vec::new(), Vec::new(), Vec::new());
+        let mut condensing = Condensing::new(matrices, of_bodies.iter().map(|(matrix, _)| *matrix));
+        for (k, (matrix, own)) in of_bodies.iter().enumerate() {
+            let in_skeleton = places(own, &nodes);
+            let (of_body, held_here) = partition_of(own, &in_skeleton, &number_of_held, partition);
+            held_here.into_iter().for_each(|h| held[h] = Holder::Body(k));
             // a body without interfaces has springs of its own
-            if in_skeleton.is_empty() {
-                let part = |motion: &Vec<f64>| own.iter().flat_map(|&n| [motion[2 * n], motion[2 * n + 1]]).collect();
-                alone = motions.iter().map(part).collect();
-                alone.retain(|motion| motion.iter().any(|v| *v != 0.0));
-            }
-            let springs_alone = if in_skeleton.is_empty() { alone.as_slice() } else { &[] };
-            for (_, rotation) in rotations.iter().filter(|(body, _)| *body == k) {
-                springs.push((k, add_springs(matrix.as_mut(), &[without_mean(rotation)])));
-            }
-            let condensation = Arc::new(Condensation::new(matrix, &of_body, springs_alone)?);
-            let body = Member { nodes: own.clone(), in_skeleton, condensation };
-            let nodes: Vec<usize> = body.in_skeleton.iter().map(|&(_, number)| number).collect();
-            let group = |nodes| Ok::<_, BemError>(Group { nodes, stiffness: body.condensation.stiffness()? });
-            let here = (!nodes.is_empty()).then(|| group(nodes));
-            stiffness.push(here.transpose()?);
-            bodies.push(body);
+            let part = |motion: &Vec<f64>| own.iter().flat_map(|&n| [motion[2 * n], motion[2 * n + 1]]).collect();
+            let mut alone: Vec<Vec<f64>> =
+                if in_skeleton.is_empty() { motions.iter().map(part).collect() } else { Vec::new() };
+            alone.retain(|motion| motion.iter().any(|v| *v != 0.0));
+            let of_rotations = rotations.iter().filter(|(body, _)| *body == k).map(|(_, motion)| without_mean(motion));
+            let of_rotations: Vec<Vec<f64>> = of_rotations.collect();
+            let (condensation, own_springs) = condensing.condense(*matrix, of_body, &alone, &of_rotations)?;
+            springs.extend(own_springs.into_iter().map(|spring| (k, spring)));
+            let numbers: Vec<usize> = in_skeleton.iter().map(|&(_, number)| number).collect();
+            stiffness.push((!numbers.is_empty()).then_some((numbers, condensation.stiffness)));
+            bodies.push(Member { nodes: own.clone(), in_skeleton, condensation: condensation.of });
         }
         let number = |node: usize| nodes.binary_search(&node).expect("a node of the skeleton");
         let numbered = |row: &Relative| Relative {
@@ -269,14 +181,10 @@ impl Assembly {
             faced: row.faced.iter().map(|&(node, c)| (number(node), c)).collect(),
         };
         let rows: Vec<Relative> = order_of_rows(rows)?.into_iter().map(|k| numbered(&rows[k])).collect();
+        let of_skeleton = held.iter().zip(&partition.held).filter(|(holder, _)| **holder == Holder::Skeleton);
         let of_skeleton = Partition {
             kept: partition.kept.iter().map(|dof| 2 * number(dof / 2) + dof % 2).collect(),
-            held: held
-                .iter()
-                .zip(&partition.held)
-                .filter(|(holder, _)| **holder == Holder::Skeleton)
-                .map(|(_, &(dof, value))| (2 * number(dof / 2) + dof % 2, value))
-                .collect(),
+            held: of_skeleton.map(|(_, &(dof, value))| (2 * number(dof / 2) + dof % 2, value)).collect(),
             frames: partition.frames.iter().map(|&(node, frame)| (number(node), frame)).collect(),
         };
         let motions = motions.iter().map(|motion| {
@@ -285,9 +193,9 @@ impl Assembly {
         });
         let motions: Vec<Vec<f64>> = motions.filter(|motion| motion.iter().any(|v| *v != 0.0)).collect();
         let moduli = vec![1.0; bodies.len()];
-        let skeleton =
-            Arc::new(Joined { nodes, rows, stiffness, partition: of_skeleton, motions }).skeleton(&moduli)?;
-        Ok(Self { bodies, moduli, skeleton: Some(skeleton), size, held, springs })
+        let joined = Joined { nodes, rows, stiffness, partition: of_skeleton, motions };
+        let skeleton = Some(Arc::new(joined).skeleton(&moduli)?);
+        Ok(Self { bodies, moduli, skeleton, size, held, springs })
     }
 
     /// The same bodies, each S_k of those that were joined times a factor: other Young's moduli.
@@ -427,16 +335,85 @@ impl Assembly {
     }
 }
 
-/// The nodes that interfaces have, or several bodies, and those that are kept; rising.
-fn nodes_of_skeleton(nodes_of: &[Vec<usize>], partition: &Partition, rows: &[Relative]) -> Vec<usize> {
-    let mut all: Vec<usize> = nodes_of.iter().flatten().copied().collect();
-    all.sort_unstable();
-    let shared = all.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
-    let of_rows = rows.iter().flat_map(|row| row.faced.iter().map(|f| f.0).chain([row.node]));
-    let mut nodes: Vec<usize> = shared.chain(of_rows).chain(partition.kept.iter().map(|dof| dof / 2)).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
+/// Which nodes of a body are in the skeleton, and their numbers there.
+fn places(own: &[usize], skeleton: &[usize]) -> Vec<(usize, usize)> {
+    own.iter().enumerate().filter_map(|(local, node)| Some((local, skeleton.binary_search(node).ok()?))).collect()
+}
+
+/// The partition of a body that keeps its nodes of the skeleton, and the numbers of what it holds.
+fn partition_of(
+    own: &[usize],
+    in_skeleton: &[(usize, usize)],
+    number_of_held: &BTreeMap<Dof, usize>,
+    partition: &Partition,
+) -> (Partition, Vec<usize>) {
+    let mut held: Vec<(usize, Dof)> = Vec::new();
+    for (local, node) in own.iter().enumerate() {
+        if in_skeleton.binary_search_by_key(&local, |(local, _)| *local).is_err() {
+            (0..2).for_each(|i| held.extend(number_of_held.get(&(2 * node + i)).map(|&h| (h, 2 * local + i))));
+        }
+    }
+    held.sort_unstable();
+    let of_body = Partition {
+        kept: in_skeleton.iter().flat_map(|(local, _)| [2 * local, 2 * local + 1]).collect(),
+        held: held.iter().map(|&(h, dof)| (dof, partition.held[h].1)).collect(),
+        frames: Vec::new(),
+    };
+    (of_body, held.into_iter().map(|(h, _)| h).collect())
+}
+
+/// The matrices of bodies, and those that are condensed: equal bodies share them.
+struct Condensing {
+    matrices: Vec<Mat<f64>>,
+    /// Number of bodies that are yet to have each of them.
+    uses: Vec<usize>,
+    /// The number of the matrix, its partition, and the result.
+    done: Vec<(usize, Partition, Condensed)>,
+}
+
+/// A condensed matrix.
+#[derive(Clone)]
+struct Condensed {
+    of: Arc<Condensation>,
+    /// S_c of what is kept.
+    stiffness: Arc<Mat<f64>>,
+}
+
+impl Condensing {
+    fn new(matrices: Vec<Mat<f64>>, of_bodies: impl Iterator<Item = usize>) -> Self {
+        let mut uses = vec![0; matrices.len()];
+        of_bodies.for_each(|matrix| uses[matrix] += 1);
+        Self { matrices, uses, done: Vec::new() }
+    }
+
+    /// A condensed matrix, with springs that hold motions, and those that hold rotations as couples.
+    fn condense(
+        &mut self,
+        matrix: usize,
+        partition: Partition,
+        motions: &[Vec<f64>],
+        rotations: &[Vec<f64>],
+    ) -> Result<(Condensed, Vec<Springs>), BemError> {
+        let has_springs = !motions.is_empty() || !rotations.is_empty();
+        let is_same = |(of, other, _): &&(usize, Partition, Condensed)| *of == matrix && *other == partition;
+        self.uses[matrix] -= 1;
+        if let Some((_, _, condensed)) = self.done.iter().find(is_same).filter(|_| !has_springs) {
+            return Ok((condensed.clone(), Vec::new()));
+        }
+        let mut own = match self.uses[matrix] {
+            0 => std::mem::replace(&mut self.matrices[matrix], Mat::new()),
+            _ => self.matrices[matrix].clone(),
+        };
+        let springs =
+            rotations.iter().map(|rotation| add_springs(own.as_mut(), std::slice::from_ref(rotation))).collect();
+        let of = Arc::new(Condensation::new(own, &partition, motions)?);
+        let stiffness = Arc::new(if partition.kept.is_empty() { Mat::new() } else { of.stiffness()? });
+        let condensed = Condensed { of, stiffness };
+        if !has_springs {
+            self.done.push((matrix, partition, condensed.clone()));
+        }
+        Ok((condensed, springs))
+    }
 }
 
 /// A nodal vector without its resultant.
@@ -467,27 +444,6 @@ pub fn order_of_rows(rows: &[Relative]) -> Result<Vec<usize>, BemError> {
     Ok(order)
 }
 
-/// d·u = w + Σ c_j·u_j in a stiffness matrix, from both sides.
-fn substitute(stiffness: &mut Mat<f64>, Relative { node, direction, faced }: &Relative) {
-    let size = stiffness.nrows();
-    let along: Vec<f64> = (0..size)
-        .map(|row| direction[0] * stiffness[(row, 2 * node)] + direction[1] * stiffness[(row, 2 * node + 1)])
-        .collect();
-    for &(j, c) in faced {
-        for i in 0..2 {
-            (0..size).for_each(|row| stiffness[(row, 2 * j + i)] += c[i] * along[row]);
-        }
-    }
-    let along: Vec<f64> = (0..size)
-        .map(|column| direction[0] * stiffness[(2 * node, column)] + direction[1] * stiffness[(2 * node + 1, column)])
-        .collect();
-    for &(j, c) in faced {
-        for i in 0..2 {
-            (0..size).for_each(|column| stiffness[(2 * j + i, column)] += c[i] * along[column]);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -509,8 +465,8 @@ mod tests {
         let rows = [row(2, [1.0, 0.0], 6), row(3, [1.0, 0.0], 7), row(3, [0.0, 1.0], 7)];
         let partition = Partition { kept: vec![4], held: vec![(0, 0.1), (6, 0.0), (7, 0.02)], frames: Vec::new() };
         let matrices = vec![matrix(6, 1.0, factors[0]), matrix(5, 2.0, factors[1])];
-        Assembly::new(matrices, &[(0..6).collect(), (6..11).collect()], &partition, &rows, &[], &[])
-            .expect("positive matrices")
+        let of_bodies = [(0, (0..6).collect()), (1, (6..11).collect())];
+        Assembly::new(matrices, &of_bodies, &partition, &rows, &[], &[]).expect("positive matrices")
     }
 
     /// With moduli an assembly is that of the matrices times them, and no body is condensed again.

@@ -11,7 +11,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use steklov_elastic::plane::{distance, minus, unit};
+use steklov_elastic::plane::{distance, dot, minus, unit};
 
 use crate::curve::Shape;
 use crate::cut::{Arrangement, Part};
@@ -89,6 +89,18 @@ fn boxes(outline: &Polygon) -> Vec<[[f64; 2]; 2]> {
     boxes
 }
 
+/// Puts the loops of a subdomain, the outer one first, in an order that moving it does not change: each begins at its point that is
+/// first along a direction, and holes follow each other along it.
+fn in_order(loops: &mut [Vec<usize>], start: impl Fn(usize) -> [f64; 2]) {
+    // no line of a drawing is perpendicular to it
+    let along = |h: usize| dot(start(h), [1.0_f64.cos(), 1.0_f64.sin()]);
+    for one in loops.iter_mut() {
+        let first = (0..one.len()).min_by(|&a, &b| along(one[a]).total_cmp(&along(one[b])));
+        one.rotate_left(first.unwrap_or(0));
+    }
+    loops[1..].sort_by(|a, b| along(a[0]).total_cmp(&along(b[0])));
+}
+
 impl Cuts {
     /// The subdomains of a body along lines.
     ///
@@ -100,7 +112,8 @@ impl Cuts {
     pub fn new(body: &Polygon, lines: &[[[f64; 2]; 2]]) -> Result<Self, CutError> {
         let names = ["left", "right"].map(str::to_owned);
         let cuts: Vec<Cut> = lines.iter().map(|&ends| Cut { ends, sides: names.clone() }).collect();
-        let Arrangement { points, halves, pieces, .. } = body.arranged(&cuts)?;
+        let Arrangement { points, halves, mut pieces, .. } = body.arranged(&cuts)?;
+        pieces.iter_mut().for_each(|loops| in_order(loops, |h| points.all[halves[h].from]));
         let mut parts: Vec<[usize; 2]> = Vec::new();
         let mut number_of = BTreeMap::new();
         for half in &halves {

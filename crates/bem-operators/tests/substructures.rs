@@ -142,8 +142,8 @@ impl CutBody {
 
     fn assembly(&self, material: &Material, partition: &Partition, motions: &[Vec<f64>]) -> Assembly {
         let matrices = self.subdomains.iter().map(|s| stiffness(s, material)).collect();
-        let nodes: Vec<Vec<usize>> = self.subdomains.iter().map(|s| s.nodes.clone()).collect();
-        Assembly::new(matrices, &nodes, partition, &[], motions, &[]).expect("a stiffness")
+        let of_bodies: Vec<(usize, Vec<usize>)> = (0..).zip(self.subdomains.iter().map(|s| s.nodes.clone())).collect();
+        Assembly::new(matrices, &of_bodies, partition, &[], motions, &[]).expect("a stiffness")
     }
 
     /// The nodal displacement under a load, nothing held.
@@ -171,13 +171,7 @@ fn tension([nx, ny]: [usize; 2], polygon: &Polygon, degree: usize) -> f64 {
 /// 4e-12, and that of the same elements by another code of superelements. Degree 10 and 12 are off by 8e-11 and 2e-12.
 #[test]
 fn twenty_circular_holes_in_cells() {
-    // arcs that begin at 45 degrees
-    let hole = |k: usize| {
-        let [x, y] = [(k % 5) as f64 + 0.5, (k / 5) as f64 + 0.5];
-        let off = 0.3 * std::f64::consts::FRAC_1_SQRT_2;
-        let corners = [[off, off], [-off, off], [-off, -off], [off, -off]].map(|[dx, dy]| [x + dx, y + dy]);
-        Loop { corners: corners.to_vec(), ..Loop::circle([x, y], 0.3, 4, "hole") }
-    };
+    let hole = |k: usize| hole([(k % 5) as f64 + 0.5, (k / 5) as f64 + 0.5], 0.3);
     let polygon = plate([5.0, 4.0], (0..20).map(hole).collect());
     for (degree, by_others, to) in
         [(4, -19.182993609117496, 1e-12), (8, -19.184560529312055, 1e-12), (12, -19.184560653953653, 1e-12)]
@@ -187,6 +181,51 @@ fn twenty_circular_holes_in_cells() {
     }
     let j = tension([5, 4], &polygon, 13);
     assert!((j / -19.184560653994 - 1.0).abs() < 4e-12, "{j}");
+}
+
+/// A hole whose arcs begin at 45 degrees.
+fn hole([x, y]: [f64; 2], radius: f64) -> Loop {
+    let off = radius * std::f64::consts::FRAC_1_SQRT_2;
+    let corners = [[off, off], [-off, off], [-off, -off], [off, -off]].map(|[dx, dy]| [x + dx, y + dy]);
+    Loop { corners: corners.to_vec(), ..Loop::circle([x, y], radius, 4, "hole") }
+}
+
+/// Cells of one shape are translates of each other wherever their loops begin: they have one S, and an assembly that shares it has
+/// the displacement of one that does not. A hole that is smaller by 1e-9 makes another cell.
+#[test]
+fn translates_have_one_stiffness() {
+    let material = Material::new(1.0, 0.3, Plane::Strain).expect("a material");
+    let body = |of_last: f64| {
+        let radius = |k: usize| if k == 11 { of_last } else { 0.3 };
+        let holes = (0..12).map(|k| hole([(k % 4) as f64 + 0.5, (k / 4) as f64 + 0.5], radius(k))).collect();
+        CutBody::new(&plate([4.0, 3.0], holes), &grid([4, 3], [4.0, 3.0]), 0.5, 6)
+    };
+    let first = |body: &CutBody| Subdomain::first_translates(&body.subdomains.iter().collect::<Vec<_>>());
+    let other = first(&body(0.3 - 1e-9));
+    assert!(other.iter().enumerate().filter(|(k, f)| k == *f).count() == 2, "{other:?}");
+
+    let body = body(0.3);
+    assert_eq!(first(&body), [0; 12]);
+    let matrices: Vec<Mat<f64>> = body.subdomains.iter().map(|one| stiffness(one, &material)).collect();
+    let size = matrices[0].norm_max();
+    for s in &matrices {
+        assert!((s - &matrices[0]).norm_max() < 1e-12 * size, "{:e}", (s - &matrices[0]).norm_max() / size);
+    }
+    let pull = |e: usize| match body.mesh.side_names[body.mesh.side[e]].as_str() {
+        "right" => [1.0, 0.0],
+        "left" => [-1.0, 0.0],
+        _ => [0.0; 2],
+    };
+    let load = body.load(pull);
+    let own = body.solved(&material, &load);
+    let of_bodies: Vec<(usize, Vec<usize>)> = body.subdomains.iter().map(|one| (0, one.nodes.clone())).collect();
+    let motions = rigid_motions(&body.points);
+    let shared = Assembly::new(matrices[..1].to_vec(), &of_bodies, &Partition::default(), &[], &motions, &[])
+        .expect("a stiffness");
+    let shared = shared.expand(&shared.load_held(&load, &[]), &[]);
+    let largest = own.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+    let off = own.iter().zip(&shared).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+    assert!(off < 1e-11 * largest, "{off:e} of {largest}");
 }
 
 /// The affine displacement of a constant stress, in a plate with square holes cut along random lines: cross points, ends on free

@@ -16,6 +16,7 @@ use crate::mesh::first_mesh::{coarse_elements, singular_points};
 use crate::mesh::layout::Layout;
 use crate::refine::asperities::{Cuts, MARKED, cut_at_turns, gap_turns, obstacles, part_to_mark};
 use crate::refine::transitions::unlocated_energy;
+use crate::refine::translates::join_marks;
 use crate::solve::body::Factors;
 use crate::solve::solution::Solved;
 
@@ -349,10 +350,15 @@ impl Layout {
 
     /// [`Self::next`] of the hp strategy: graded towards singular points, with vertices at transitions and asperities.
     fn next_hp(&self, marking: &Marking<'_>, unseen: &Unseen) -> Result<(Self, Vec<Located>), SolveError> {
-        let Marking { scene, solved: Solved { mesh, .. }, .. } = *marking;
+        let Marking { scene, solved: Solved { mesh, space, .. }, .. } = *marking;
         let mut singular = singular_points(scene, true);
         let turns = gap_turns(scene);
-        let (mut marks, on_cuts) = marking.of_hp(&self.tips, &singular, &turns)?;
+        let (mut marks, mut on_cuts) = marking.of_hp(&self.tips, &singular, &turns)?;
+        if let Some(cuts) = &self.cuts {
+            marks.append(&mut on_cuts);
+            join_marks(cuts, mesh, space, &mut marks);
+            on_cuts = marks.split_off(mesh.len());
+        }
         let cuts = Cuts::new(mesh, &turns, &unseen.overlaps);
         cuts.elements().for_each(|e| marks[e] = Mark::Keep);
         let mut subdivision = Subdivision::new(mesh, &marks);

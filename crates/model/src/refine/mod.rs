@@ -3,3 +3,4 @@
 pub mod adapt;
 pub(crate) mod asperities;
 pub(crate) mod transitions;
+pub(crate) mod translates;

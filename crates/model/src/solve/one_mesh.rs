@@ -1,13 +1,9 @@
 //! One mesh solved: operators, Steklov-Poincaré matrix, supports, contact, energies, reactions.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use faer::{Col, Mat};
-use rayon::prelude::*;
-use steklov_bem_operators::{
-    Assembly, BemError, EnrichedSteklov, Mesh, PairCache, Partition, Relative, Space, Steklov,
-};
+use steklov_bem_operators::{Assembly, Mesh, PairCache, Partition, Relative, Space};
 use steklov_contact::ContactBoundary;
 use steklov_elastic::{RigidMotion, free_motions};
 use steklov_problem::{Multiplier, Scene};
@@ -15,12 +11,12 @@ use steklov_problem::{Multiplier, Scene};
 use crate::data::body_load::Particular;
 use crate::data::joints::TiedNode;
 use crate::data::on_mesh::OnMesh;
-use crate::data::parts::{Assembled, Carried, Piece, pieces};
+use crate::data::parts::{Assembled, Carried, pieces};
 use crate::data::springs::Springs;
 use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
 use crate::mesh::layout::MeshedCuts;
-use crate::solve::assemble::operators;
+use crate::solve::assemble::{Matrices, assemble};
 use crate::solve::body::{Body, Factors, Loading};
 use crate::solve::contact_solver::solve_problem;
 use crate::solve::free_bodies::Loose;
@@ -32,12 +28,12 @@ use crate::solve::thin::without_digits;
 use crate::stage::Stage;
 
 /// The particular solutions of body forces, or of the stress far from holes, and the forces S u_p.
-fn particular(scene: &Scene, bodies: &[Assembled], matrices: &[Mat<f64>]) -> Vec<Option<Particular>> {
-    let of = |(Assembled { piece, .. }, matrix): (&Assembled, &Mat<f64>)| {
-        let product = |u: &[f64]| (matrix * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
+fn particular(scene: &Scene, bodies: &[Assembled], matrices: &Matrices) -> Vec<Option<Particular>> {
+    let of = |(k, Assembled { piece, .. }): (usize, &Assembled)| {
+        let product = |u: &[f64]| (matrices.get(k) * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
         Particular::of_body(scene, piece.body, piece, product)
     };
-    bodies.iter().zip(matrices).map(of).collect()
+    bodies.iter().enumerate().map(of).collect()
 }
 
 fn nodal(motions: &[RigidMotion], points: &[[f64; 2]]) -> Vec<Vec<f64>> {
@@ -59,96 +55,17 @@ fn partition(
     (partition, of_contact.chain(tied.iter().map(|tied| tied.relative.clone())).collect())
 }
 
-/// Subdomains that are assembled side by side: the moments of so many lie in memory at once.
-const SIDE_BY_SIDE: usize = 16;
-
-/// S of every body or subdomain, and the other results of its assembly. Bodies, which are large, follow one another, and their
-/// matrices for the estimate are made when all is solved. The bits do not depend on the number of threads.
-fn assemble(
-    data: &OnMesh<'_>,
-    pieces: Vec<Piece>,
-    estimated: bool,
-    cache: &mut PairCache,
-    seconds: &mut Seconds,
-    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<(Vec<Mat<f64>>, Vec<Assembled>), SolveError> {
-    let scene = data.scene;
-    let (mut matrices, mut bodies) = (Vec::new(), Vec::new());
-    let count = pieces.len();
-    let is_cut = count > 1 && !scene.problem.has_several_bodies();
-    let mut pieces = pieces.into_iter();
-    while bodies.len() < count {
-        let chunk: Vec<Piece> = pieces.by_ref().take(if is_cut { SIDE_BY_SIDE } else { 1 }).collect();
-        let done = |part: f64| 0.05 + 0.7 * (bodies.len() as f64 + part * chunk.len() as f64) / count as f64;
-        let clock = Instant::now();
-        observe(Stage::Progress("assembling V, K, W", done(0.0)))?;
-        // the moments of a body are those of its mesh before where elements have not changed
-        let mut caches = vec![PairCache::default(); chunk.len()];
-        if !is_cut {
-            std::mem::swap(&mut caches[0], cache);
-        }
-        let assembled: Result<Vec<_>, _> = chunk
-            .par_iter()
-            .zip(&mut caches)
-            .map(|(Piece { part, material, .. }, cache)| operators(&part.mesh, &part.space, material, estimated, cache))
-            .collect();
-        let assembled = assembled?;
-        seconds.assemble += clock.elapsed().as_secs_f64();
-        for (k, (piece, operators)) in (bodies.len()..).zip(chunk.iter().zip(&assembled)) {
-            observe(Stage::Operators(k, operators))?;
-            if is_cut {
-                observe(Stage::Nodes(k, &piece.part.nodes))?;
-            }
-        }
-
-        let clock = Instant::now();
-        observe(Stage::Progress("Steklov-Poincaré matrix", done(0.35)))?;
-        let factorised: Result<Vec<(f64, Steklov)>, _> = assembled
-            .into_par_iter()
-            .zip(&chunk)
-            .map(|(operators, piece)| {
-                Ok::<_, BemError>((operators.length, Steklov::new(operators, scene.domain(piece.body))?))
-            })
-            .collect();
-        let factorised = factorised?;
-        seconds.factorise += clock.elapsed().as_secs_f64();
-
-        let clock = Instant::now();
-        let enriched = |(Piece { part, material, .. }, (cache, (length, steklov))): (
-            &Piece,
-            (&mut PairCache, &(f64, Steklov)),
-        )| {
-            let of = || EnrichedSteklov::new(&part.mesh, &part.space, material, *length, &steklov.traction, cache);
-            (estimated && is_cut).then(of).transpose()
-        };
-        let enriched: Result<Vec<_>, _> =
-            chunk.par_iter().zip(caches.par_iter_mut().zip(&factorised)).map(enriched).collect();
-        let enriched = enriched?;
-        if !is_cut {
-            std::mem::swap(&mut caches[0], cache);
-        }
-        seconds.enrich += clock.elapsed().as_secs_f64();
-        for ((piece, (length, steklov)), enriched) in chunk.into_iter().zip(factorised).zip(enriched) {
-            let Steklov { matrix, traction } = steklov;
-            matrices.push(matrix);
-            let (traction_map, enriched) = (Arc::new(traction), enriched.map(Arc::new));
-            let (modulus, turning) = (1.0, Vec::new());
-            bodies.push(Assembled { piece, length, traction_map, enriched, modulus, turning, carried: None });
-        }
-    }
-    Ok((matrices, bodies))
-}
-
 /// Takes the part of rotations that nodal values miss on curves out of the matrices, so that it does not resist them.
 fn release_rotations(
     data: &OnMesh<'_>,
     bodies: &mut [Assembled],
     (held, springs): (&[Held], &Springs),
-    matrices: &mut [Mat<f64>],
+    matrices: &mut Matrices,
 ) {
     let several = bodies.len() > 1;
     let is_cut = several && !data.scene.problem.has_several_bodies();
-    for (body, matrix) in bodies.iter_mut().zip(matrices) {
+    let mut is_done = vec![false; matrices.different.len()];
+    for (body, &number) in bodies.iter_mut().zip(&matrices.of) {
         let Assembled { piece, turning, .. } = body;
         let part = &piece.part;
         let held: Vec<Held> = part.nodes.iter().map(|&node| held[node]).collect();
@@ -163,7 +80,10 @@ fn release_rotations(
         if several && is_medium || missed(&part.mesh, &part.space, &candidates) == 0.0 {
             continue;
         }
-        project_off(matrix, &nodal(&candidates, &part.space.points));
+        // the motions of a translate are the same
+        if !std::mem::replace(&mut is_done[number], true) {
+            project_off(&mut matrices.different[number], &nodal(&candidates, &part.space.points));
+        }
         if several {
             *turning = candidates;
         }
@@ -266,13 +186,13 @@ pub fn solve(
     let clock = Instant::now();
     let outside = Outside::new(&data, estimated, cache)?;
     if let Some(outside) = &outside {
-        outside.stiffen(&mut matrices[0]);
+        outside.stiffen(&mut matrices.different[0]);
     }
-    for (k, matrix) in matrices.iter().enumerate() {
-        observe(Stage::Steklov(k, matrix))?;
+    for k in 0..bodies.len() {
+        observe(Stage::Steklov(k, matrices.get(k)))?;
     }
     let particular = particular(scene, &bodies, &matrices);
-    let largest_diagonal = add_springs(&data, &springs, &mut bodies, &held, &mut matrices);
+    let largest_diagonal = add_springs(&data, &springs, &mut bodies, &held, &mut matrices.different);
     let supports = Supports { space: &space, held: &held };
     let mut values = supports.values();
     values.extend(tied.iter().map(|tied| tied.jump));
@@ -287,11 +207,13 @@ pub fn solve(
     let (partition, rows) = partition(given.boundary.as_ref(), &supports, &tied);
     if given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised {
         let candidates = scene.unresisted(0, supports.free_motions(springs.resisted(|_| true)));
-        let of_body = (&bodies[0], &matrices[0]);
+        let of_body = (&bodies[0], matrices.get(0));
         given.stabilised = Some(stabilise(&data, of_body, &given, &partition.held, &candidates, &loose, observe)?);
     }
-    let nodes: Vec<Vec<usize>> = bodies.iter().map(|body| body.piece.part.nodes.clone()).collect();
-    let condensation = Assembly::new(matrices, &nodes, &partition, &rows, &loose.motions, &loose.rotations)
+    let Matrices { different, of } = matrices;
+    let nodes = bodies.iter().map(|body| body.piece.part.nodes.clone());
+    let of_bodies: Vec<(usize, Vec<usize>)> = of.into_iter().zip(nodes).collect();
+    let condensation = Assembly::new(different, &of_bodies, &partition, &rows, &loose.motions, &loose.rotations)
         .map_err(|error| without_digits(error, &scene.problem, &bodies))?;
     seconds.factorise += clock.elapsed().as_secs_f64();
 
