@@ -252,10 +252,9 @@ fn refinement_of_cuts() {
     let estimate = step.estimate();
     assert_eq!(run.reason, Reason::Tolerance);
     assert!((estimate.energy - exact).abs() <= estimate.uncertainty, "{estimate:?}");
-    let at_first = different_subdomains(&run.progress.steps[0].layout);
-    assert!(at_first < 20);
     for step in &run.progress.steps {
-        assert_eq!(different_subdomains(&step.layout), at_first);
+        // cells at the four corners, at the four sides, and inside
+        assert!(different_subdomains(&step.layout) <= 9);
         let estimate = step.estimate();
         let all = estimate.indicators.iter().chain(&estimate.of_cuts);
         let of_traction = all.map(|bubble| bubble.traction).sum::<f64>() / estimate.scale.powi(2);

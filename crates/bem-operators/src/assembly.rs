@@ -30,7 +30,7 @@ use std::sync::Arc;
 use faer::Mat;
 
 use crate::condense::{Springs, add_springs};
-use crate::skeleton::{Joined, Skeleton, nodes_of_skeleton};
+use crate::skeleton::{Joined, Shared, Skeleton, nodes_of_skeleton};
 use crate::space::Dof;
 use crate::{BemError, Condensation, CondensedLoad, Partition};
 
@@ -171,7 +171,8 @@ impl Assembly {
             let (condensation, own_springs) = condensing.condense(*matrix, of_body, &alone, &of_rotations)?;
             springs.extend(own_springs.into_iter().map(|spring| (k, spring)));
             let numbers: Vec<usize> = in_skeleton.iter().map(|&(_, number)| number).collect();
-            stiffness.push((!numbers.is_empty()).then_some((numbers, condensation.stiffness)));
+            let here = Shared { nodes: numbers, stiffness: condensation.stiffness };
+            stiffness.push((!here.nodes.is_empty()).then_some(here));
             bodies.push(Member { nodes: own.clone(), in_skeleton, condensation: condensation.of });
         }
         let number = |node: usize| nodes.binary_search(&node).expect("a node of the skeleton");

@@ -291,12 +291,20 @@ impl Edge {
     }
 
     /// ∫ f(s, γ'(s)) ds over [0, `to`] by Gauss rules that are exact to rounding on such paths.
-    fn integrate(&self, to: f64, f: impl Fn(f64, [f64; 2]) -> f64) -> f64 {
+    fn integrate<const N: usize>(&self, to: f64, f: impl Fn(f64, [f64; 2]) -> [f64; N]) -> [f64; N] {
         let parts = (PARTS * to).ceil().max(1.0) as usize;
         let rule = gauss_legendre(24);
         let width = to / parts as f64;
-        let part = |k: usize| rule.mapped(k as f64 * width, (k + 1) as f64 * width);
-        (0..parts).map(|k| part(k).integrate(|s| f(s, self.derivative(s)))).sum()
+        let mut sum = [0.0; N];
+        for k in 0..parts {
+            let part = rule.mapped(k as f64 * width, (k + 1) as f64 * width);
+            let mut of_part = [0.0; N];
+            for (&s, weight) in part.points.iter().zip(&part.weights) {
+                of_part.iter_mut().zip(f(s, self.derivative(s))).for_each(|(sum, f)| *sum += weight * f);
+            }
+            sum.iter_mut().zip(of_part).for_each(|(sum, part)| *sum += part);
+        }
+        sum
     }
 
     /// Length of the edge.
@@ -305,7 +313,7 @@ impl Edge {
         match self.path {
             Path::Line => chord,
             Path::Arc { opening } => chord * (opening / 2.0 / (opening / 2.0).sin()).abs(),
-            _ => self.integrate(1.0, |_, [x, y]| x.hypot(y)),
+            _ => self.integrate(1.0, |_, [x, y]| [x.hypot(y)])[0],
         }
     }
 
@@ -314,7 +322,7 @@ impl Edge {
         match self.path {
             _ if self.is_arc_length() => s,
             _ if s <= 0.0 || s >= 1.0 => s,
-            _ => self.integrate(s, |_, [x, y]| x.hypot(y)) / self.length(),
+            _ => self.integrate(s, |_, [x, y]| [x.hypot(y)])[0] / self.length(),
         }
     }
 
@@ -358,17 +366,13 @@ impl Edge {
         let sign = if self.reversed { -1.0 } else { 1.0 };
         let a = self.listed()[0];
         // the closed curve of edge and chord back, from corner a
-        let of = |weight: &dyn Fn([f64; 2]) -> f64| {
-            let edge = self.integrate(1.0, |s, d| {
-                let x = self.point(s);
-                let r = minus(x, a);
-                weight(r) * cross(r, d)
-            });
-            sign * edge
-        };
-        let twice = of(&|_| 1.0);
         // ∫ x dA = ⅓ ∮ x (x dy - y dx); along the chord x × dx vanishes
-        let (mx, my) = (of(&|r| r[0]) / 3.0, of(&|r| r[1]) / 3.0);
+        let all = self.integrate(1.0, |s, d| {
+            let r = minus(self.point(s), a);
+            let twice = cross(r, d);
+            [twice, r[0] * twice, r[1] * twice]
+        });
+        let [twice, mx, my] = [all[0], all[1] / 3.0, all[2] / 3.0].map(|of| sign * of);
         [twice, mx + (a[0] - o[0]) * twice / 2.0, my + (a[1] - o[1]) * twice / 2.0]
     }
 

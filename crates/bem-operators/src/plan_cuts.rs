@@ -20,6 +20,7 @@ use steklov_elastic::plane::{cross, distance, dot, minus};
 use crate::continuation::{Continuation, RHO};
 use crate::cut::{Arrangement, Part};
 use crate::edge::complex;
+use crate::subdomains::in_order;
 use crate::{Curve, Cut, Edge, Polygon, Segment};
 
 /// Floating point operations per second of dense matrices and of the skeleton, and seconds of a pair of elements: one core. Only
@@ -39,6 +40,8 @@ const TRIED: usize = 8;
 const DEEPEST: usize = 12;
 /// Directions of lines.
 const DIRECTIONS: usize = 8;
+/// Holes that are translates of others from which on lines of their lattice are tried.
+const FEWEST_EQUAL: usize = 4;
 /// Halvings of an element at most.
 const HALVINGS: usize = 8;
 /// Sine of the smallest angle between cuts and the boundary.
@@ -61,8 +64,12 @@ pub struct CutRules {
     pub continuation: Continuation,
     /// Corners to which meshes are graded.
     pub graded: Vec<[f64; 2]>,
-    /// Sides on which no cut may end.
+    /// Sides on which cuts may end at valleys only.
     pub kept: Vec<usize>,
+    /// The points of these sides at which cuts may end: valleys between asperities.
+    pub valleys: Vec<[f64; 2]>,
+    /// The points of these sides at which asperities are: meshes are graded to both ends of contact there.
+    pub peaks: Vec<[f64; 2]>,
     /// Degrees that elements of cuts, arcs and straight edges will have.
     pub degrees: [usize; 3],
     /// Unknowns of an edge beside a corner to which meshes are graded.
@@ -76,6 +83,8 @@ pub struct CutPlan {
     pub lines: Vec<[[f64; 2]; 2]>,
     /// Number of subdomains.
     pub subdomains: usize,
+    /// Number of those that are no translates of others.
+    pub different: usize,
     /// Unknowns of the body without cuts, of the largest subdomain, and of the skeleton.
     pub unknowns: [usize; 3],
     /// Predicted cost of a mesh without cuts and with them (seconds of one core, for their ratio).
@@ -153,10 +162,51 @@ struct Planner<'a> {
     pitch: f64,
     /// Whether the body has neither holes nor curves.
     is_simple: bool,
+}
+
+/// How a region is cut.
+#[derive(Clone, Default)]
+struct Division {
     lines: Vec<[[f64; 2]; 2]>,
+    /// Number of subdomains, and the unknowns of those that are no translates of earlier ones.
+    subdomains: usize,
+    different: Vec<f64>,
+    /// Unknowns on cuts.
     skeleton: usize,
     /// Numbers in the fronts of the skeleton.
     in_fronts: f64,
+    /// Predicted seconds of the skeleton, and of the different subdomains.
+    of_skeleton: f64,
+    dense: f64,
+}
+
+impl Division {
+    fn cost(&self) -> f64 {
+        self.of_skeleton + self.dense
+    }
+
+    fn add(&mut self, other: Self) {
+        self.lines.extend(other.lines);
+        self.subdomains += other.subdomains;
+        self.different.extend(other.different);
+        self.skeleton += other.skeleton;
+        self.in_fronts += other.in_fronts;
+        self.of_skeleton += other.of_skeleton;
+        self.dense += other.dense;
+    }
+
+    /// That of a translate, whose subdomains are there already.
+    fn moved(&self, by: [f64; 2]) -> Self {
+        let moved = |x: [f64; 2]| [x[0] + by[0], x[1] + by[1]];
+        let lines = self.lines.iter().map(|ends| ends.map(moved)).collect();
+        Self { lines, different: Vec::new(), dense: 0.0, ..self.clone() }
+    }
+}
+
+/// Parallel lines: their direction, and their offsets across it.
+struct Row {
+    along: [f64; 2],
+    offsets: Vec<f64>,
 }
 
 impl Polygon {
@@ -167,28 +217,33 @@ impl Polygon {
     pub fn plan_cuts(&self, rules: &CutRules) -> CutPlan {
         let perimeter: f64 = self.edges().iter().map(Edge::length).sum();
         let pitch = 4.0 * self.area().abs() / perimeter;
-        let mut planner = Planner {
-            rules,
-            known: RefCell::default(),
-            pitch,
-            is_simple: self.loops().len() == 1 && self.edges().iter().all(Edge::is_line),
-            lines: Vec::new(),
-            skeleton: 0,
-            in_fronts: 0.0,
-        };
+        let is_simple = self.loops().len() == 1 && self.edges().iter().all(Edge::is_line);
+        let planner = Planner { rules, known: RefCell::default(), pitch, is_simple };
         let region = Region { outline: self.clone(), is_cut: vec![false; self.edges().len()] };
-        let unknowns = planner.counts(&region)[0] as usize;
-        let uncut = planner.dense(&region);
-        let (regions, cost) = planner.bisect(&region, 0);
-        let own: Vec<f64> = regions.iter().map(|region| planner.counts(region)[0]).collect();
-        let largest = own.iter().fold(0.0, |a: f64, b| a.max(*b)) as usize;
+        let along = |rows: &[Row]| planner.divided(&region, rows, &mut Vec::new(), 0);
+        let rows = lattice(self, pitch);
+        let aligned = (!rows.is_empty()).then(|| along(&rows));
+        // where many are equal, no other lines cost less
+        let has_many_equal = |aligned: &Division| 2 * aligned.different.len() <= aligned.subdomains;
+        let best = match aligned {
+            Some(aligned) if has_many_equal(&aligned) => aligned,
+            other => {
+                other.into_iter().chain([along(&[])]).min_by(|a, b| a.cost().total_cmp(&b.cost())).unwrap_or_default()
+            }
+        };
+        let unknowns = planner.counts(&region)[0];
         let bytes = |sizes: &[f64]| 24.0 * sizes.iter().map(|n| n * n).sum::<f64>();
         CutPlan {
-            subdomains: regions.len(),
-            unknowns: [unknowns, largest, planner.skeleton],
-            cost: [uncut, cost],
-            bytes: [bytes(&[unknowns as f64]), bytes(&own) + 8.0 * planner.in_fronts],
-            lines: planner.lines,
+            subdomains: best.subdomains,
+            different: best.different.len(),
+            unknowns: [
+                unknowns as usize,
+                best.different.iter().fold(0.0, |a: f64, b| a.max(*b)) as usize,
+                best.skeleton,
+            ],
+            cost: [planner.dense(&region), best.cost()],
+            bytes: [bytes(&[unknowns]), bytes(&best.different) + 8.0 * best.in_fronts],
+            lines: best.lines,
         }
     }
 }
@@ -213,12 +268,19 @@ impl Planner<'_> {
             let n = (edge.turning() / FRAC_PI_2 - 1e-9).ceil().max(1.0);
             return [of_arcs * n, n];
         }
-        let corners = [edge.start, edge.end].into_iter().filter(|x| self.rules.graded.contains(x)).count() as f64;
+        let at_ends = [edge.start, edge.end].into_iter().filter(|x| self.rules.graded.contains(x)).count();
+        let peaks = self.rules.peaks.iter().filter(|x| self.is_on_kept(edge, **x)).count();
+        let corners = (at_ends + 2 * peaks) as f64;
         let pitches = (edge.length() / self.pitch).max(1.0);
         // beside holes the solution varies all along an edge, without them only near its ends
         let n = if self.is_simple { 1.0 + 2.0 * pitches.log2() } else { pitches };
         let n = (n - 1e-9).ceil();
         [corners * self.rules.of_corner as f64 + straight * n, n + 5.0 * corners]
+    }
+
+    /// Whether a point is on an edge of a side on which cuts end at valleys only.
+    fn is_on_kept(&self, edge: &Edge, x: [f64; 2]) -> bool {
+        self.rules.kept.contains(&edge.side) && edge.nearest(x, SAME * self.pitch).is_some()
     }
 
     /// Unknowns, elements, and unknowns on cuts.
@@ -238,36 +300,82 @@ impl Planner<'_> {
         flops / DENSE + PAIR * m * m / 2.0
     }
 
-    fn bisect(&mut self, region: &Region, depth: usize) -> (Vec<Region>, f64) {
+    /// The best division of a region: along the lines of a lattice as long as these pay, then along any. `done` are the regions
+    /// that were divided before: their translates are divided alike.
+    fn divided(&self, region: &Region, lattice: &[Row], done: &mut Vec<(Region, Division)>, depth: usize) -> Division {
+        for (before, division) in done.iter() {
+            if let Some(by) = self.shift(before, region) {
+                return division.moved(by);
+            }
+        }
         let alone = self.dense(region);
-        if depth == DEEPEST || alone < LEAST {
-            return (vec![region.clone()], alone);
-        }
-        let Some(Bisection { cuts, pieces, of_skeleton, unknowns, .. }) = self.best(region, alone) else {
-            return (vec![region.clone()], alone);
+        let whole =
+            Division { subdomains: 1, different: vec![self.counts(region)[0]], dense: alone, ..Division::default() };
+        let earlier = done.len();
+        let division = match self.bisected(region, lattice, alone, depth) {
+            Some(Bisection { cuts, pieces, of_skeleton, unknowns, .. }) => {
+                let in_fronts = (unknowns as f64 + self.counts(region)[2]).powi(2);
+                let mut division =
+                    Division { lines: cuts, skeleton: unknowns, in_fronts, of_skeleton, ..Division::default() };
+                pieces.iter().for_each(|piece| division.add(self.divided(piece, lattice, done, depth + 1)));
+                division
+            }
+            None => whole.clone(),
         };
-        let before = (self.lines.len(), self.skeleton, self.in_fronts);
-        self.lines.extend(cuts);
-        self.skeleton += unknowns;
-        self.in_fronts += (unknowns as f64 + self.counts(region)[2]).powi(2);
-        let (mut regions, mut cost) = (Vec::new(), of_skeleton);
-        for piece in pieces {
-            let (parts, own) = self.bisect(&piece, depth + 1);
-            regions.extend(parts);
-            cost += own;
+        let best = if division.subdomains > 1 && division.cost() > GAIN * alone {
+            done.truncate(earlier);
+            whole
+        } else {
+            division
+        };
+        done.push((region.clone(), best.clone()));
+        best
+    }
+
+    fn bisected(&self, region: &Region, lattice: &[Row], alone: f64, depth: usize) -> Option<Bisection> {
+        if depth == DEEPEST || alone < LEAST {
+            return None;
         }
-        if cost > GAIN * alone {
-            self.lines.truncate(before.0);
-            (self.skeleton, self.in_fronts) = (before.1, before.2);
-            return (vec![region.clone()], alone);
+        let along_lattice = || self.best(region, self.candidates(region, lattice), alone);
+        let free = || self.best(region, self.candidates(region, &self.directions(&region.outline)), alone);
+        (!lattice.is_empty()).then(along_lattice).flatten().or_else(free)
+    }
+
+    /// Lines in equally spaced directions: equally spaced ones, those at holes, and those through valleys.
+    fn directions(&self, outline: &Polygon) -> Vec<Row> {
+        let row = |k: usize| {
+            let (sin, cos) = (PI * k as f64 / DIRECTIONS as f64).sin_cos();
+            let equal = if k.is_multiple_of(4) { 24 } else { 13 };
+            let across = [-sin, cos];
+            let ([low, high], at_holes) = offsets(outline, across);
+            let at = |k: usize| low + (high - low) * k as f64 / (equal + 1) as f64;
+            let at_valleys = self.rules.valleys.iter().map(|x| dot(across, *x)).filter(|x| low < *x && *x < high);
+            Row { along: [cos, sin], offsets: (1..=equal).map(at).chain(at_holes).chain(at_valleys).collect() }
+        };
+        (0..DIRECTIONS).map(row).collect()
+    }
+
+    /// The vector by which a region is another one moved, with as many elements.
+    fn shift(&self, region: &Region, other: &Region) -> Option<[f64; 2]> {
+        let (a, b) = (region.outline.edges(), other.outline.edges());
+        if a.len() != b.len() || region.is_cut != other.is_cut || region.outline.loops() != other.outline.loops() {
+            return None;
         }
-        (regions, cost)
+        let by = minus(b[0].start, a[0].start);
+        let near = SAME * self.pitch;
+        let is_moved = |x: [f64; 2], y: [f64; 2]| distance(minus(y, x), by) <= near;
+        let same = |((a, b), &is_cut): ((&Edge, &Edge), &bool)| {
+            is_moved(a.start, b.start)
+                && is_moved(a.end, b.end)
+                && is_moved(a.point(0.3), b.point(0.3))
+                && self.of_edge(a, is_cut) == self.of_edge(b, is_cut)
+        };
+        a.iter().zip(b).zip(&region.is_cut).all(same).then_some(by)
     }
 
     /// The cuts of the best line and what they make of a region.
-    fn best(&self, region: &Region, alone: f64) -> Option<Bisection> {
+    fn best(&self, region: &Region, mut lines: Vec<Line>, alone: f64) -> Option<Bisection> {
         let on_cuts = self.counts(region)[2];
-        let mut lines = self.candidates(region, on_cuts);
         lines.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let mut best: Option<Bisection> = None;
         let mut tried = 0;
@@ -290,8 +398,8 @@ impl Planner<'_> {
     }
 
     /// Lines that cross the boundary steeply, with rough costs: by the unknowns on both sides, and a guess of those of the cuts.
-    fn candidates(&self, region: &Region, on_cuts: f64) -> Vec<Line> {
-        let edges = region.outline.edges();
+    fn candidates(&self, region: &Region, rows: &[Row]) -> Vec<Line> {
+        let (edges, on_cuts) = (region.outline.edges(), self.counts(region)[2]);
         let middles: Vec<([f64; 2], f64)> = edges
             .iter()
             .zip(&region.is_cut)
@@ -299,9 +407,8 @@ impl Planner<'_> {
             .collect();
         let degree = 2.0 * self.rules.degrees[0] as f64;
         let mut lines = Vec::new();
-        for k in 0..DIRECTIONS {
-            let (sin, cos) = (PI * k as f64 / DIRECTIONS as f64).sin_cos();
-            let (along, across) = ([cos, sin], [-sin, cos]);
+        for &Row { along, ref offsets } in rows {
+            let across = [-along[1], along[0]];
             let reached: Vec<[f64; 2]> = edges
                 .iter()
                 .map(|edge| {
@@ -310,7 +417,7 @@ impl Planner<'_> {
                     [a.min(b) - slack, a.max(b) + slack]
                 })
                 .collect();
-            for offset in offsets(&region.outline, across, if k % 4 == 0 { 24 } else { 13 }) {
+            for &offset in offsets {
                 let from = across.map(|c| c * offset);
                 let mut crossings: Vec<(f64, usize, f64)> = Vec::new();
                 let is_reached = |e: &usize| reached[*e][0] <= offset && offset <= reached[*e][1];
@@ -363,8 +470,10 @@ impl Planner<'_> {
             let (edge, length) = (&edges[e], edges[e].length() / self.pitch);
             let clearance = CLEAR * length.clamp(SHORT_EDGE, 1.0);
             let at_joint = || is_end(s) && self.joint(edges, e, s).is_some();
+            let x = edge.point(s);
+            let at_valley = || self.rules.valleys.iter().any(|valley| distance(*valley, x) < SAME * self.pitch);
             if s.min(1.0 - s) * length < clearance && !at_joint()
-                || !region.is_cut[e] && self.rules.kept.contains(&edge.side)
+                || !region.is_cut[e] && self.rules.kept.contains(&edge.side) && !at_valley()
             {
                 return None;
             }
@@ -408,8 +517,37 @@ fn of_skeleton(m: f64, b: f64) -> f64 {
     (m.powi(3) / 3.0 + m * m * b + m * b * b) / SKELETON
 }
 
-/// Offsets of lines: equally spaced, through the middles of holes, and midway between neighbouring extremes of holes.
-fn offsets(outline: &Polygon, across: [f64; 2], equal: usize) -> Vec<f64> {
+/// The lines at holes along the straight edges of a body, if holes are translates of each other: along them it may be cut into cells
+/// of which many are equal.
+fn lattice(outline: &Polygon, pitch: f64) -> Vec<Row> {
+    let (edges, loops) = (outline.edges(), outline.loops());
+    let near = SAME * pitch;
+    let is_translate = |a: &[Edge], b: &[Edge]| {
+        let by = minus(b[0].start, a[0].start);
+        let same =
+            |(a, b): (&Edge, &Edge)| [0.0, 0.3].iter().all(|&s| distance(minus(b.point(s), a.point(s)), by) <= near);
+        a.len() == b.len() && a.iter().zip(b).all(same)
+    };
+    let holes: Vec<&[Edge]> = loops[1..].iter().map(|one| &edges[one.clone()]).collect();
+    let has_translate = |k: usize| (0..holes.len()).any(|j| j != k && is_translate(holes[k], holes[j]));
+    if (0..holes.len()).filter(|&k| has_translate(k)).count() < FEWEST_EQUAL {
+        return Vec::new();
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for edge in edges[loops[0].clone()].iter().filter(|edge| edge.is_line()) {
+        let along = edge.tangent(0.0);
+        if rows.len() < DIRECTIONS && rows.iter().all(|row| cross(row.along, along).abs() > STEEP) {
+            let mut offsets = offsets(outline, [-along[1], along[0]]).1;
+            offsets.sort_by(f64::total_cmp);
+            offsets.dedup_by(|b, a| *b - *a < near);
+            rows.push(Row { along, offsets });
+        }
+    }
+    rows
+}
+
+/// The extent of a body, and the offsets of lines through the middles of holes and midway between neighbouring extremes of holes.
+fn offsets(outline: &Polygon, across: [f64; 2]) -> ([f64; 2], Vec<f64>) {
     let extent = |edges: &[Edge]| {
         let of_edge = |edge: &Edge| {
             let parts = if edge.is_line() { 1 } else { 8 };
@@ -420,14 +558,13 @@ fn offsets(outline: &Polygon, across: [f64; 2], equal: usize) -> Vec<f64> {
     };
     let loops = outline.loops();
     let [low, high] = extent(&outline.edges()[loops[0].clone()]);
-    let mut offsets: Vec<f64> = (1..=equal).map(|k| low + (high - low) * k as f64 / (equal + 1) as f64).collect();
     let holes: Vec<[f64; 2]> = loops[1..].iter().map(|one| extent(&outline.edges()[one.clone()])).collect();
-    offsets.extend(holes.iter().map(|[a, b]| (a + b) / 2.0));
+    let mut offsets: Vec<f64> = holes.iter().map(|[a, b]| (a + b) / 2.0).collect();
     let mut extremes: Vec<f64> = holes.into_iter().flatten().collect();
     extremes.sort_by(f64::total_cmp);
     let apart = extremes.windows(2).filter(|pair| pair[1] - pair[0] > 1e-6 * (high - low));
     offsets.extend(apart.map(|pair| (pair[0] + pair[1]) / 2.0));
-    offsets
+    ([low, high], offsets)
 }
 
 /// The pieces of a region along cuts.
@@ -435,7 +572,8 @@ fn cut_along(region: &Region, cuts: &[[[f64; 2]; 2]]) -> Option<Vec<Region>> {
     let names = region.outline.side_names();
     let sides = [0, 0].map(|side| names[side].clone());
     let cuts: Vec<Cut> = cuts.iter().map(|&ends| Cut { ends, sides: sides.clone() }).collect();
-    let Arrangement { halves, pieces, .. } = region.outline.arranged(&cuts).ok()?;
+    let Arrangement { halves, mut pieces, .. } = region.outline.arranged(&cuts).ok()?;
+    pieces.iter_mut().for_each(|loops| in_order(loops, |h| halves[h].edge.start));
     let region_of = |piece: &Vec<Vec<usize>>| {
         let of_cut = |&h: &usize| match halves[h].of {
             Part::Outline(edge, _) => region.is_cut[edge],

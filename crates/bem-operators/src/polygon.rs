@@ -377,7 +377,7 @@ pub(crate) fn area_of(listed: &Loop) -> f64 {
     if edges.iter().all(Edge::is_line) {
         return straight;
     }
-    straight + edges.iter().map(|edge| edge.bulge(edge.start)[0] / 2.0).sum::<f64>()
+    straight + edges.iter().map(|edge| edge.twice_segment() / 2.0).sum::<f64>()
 }
 
 /// The edges of a loop in the order of listing.

@@ -20,6 +20,13 @@ pub(crate) struct Skeleton {
     pub(crate) joined: Arc<Joined>,
 }
 
+/// The nodes that a body has in the skeleton, and its condensed S_k, which equal bodies share.
+#[derive(Debug)]
+pub(crate) struct Shared {
+    pub(crate) nodes: Vec<usize>,
+    pub(crate) stiffness: Arc<Mat<f64>>,
+}
+
 /// The data from which a skeleton is condensed, whatever the moduli of the bodies.
 #[derive(Debug)]
 pub(crate) struct Joined {
@@ -28,7 +35,7 @@ pub(crate) struct Joined {
     /// The rows, numbered by the nodes of the skeleton, each before those of nodes that it faces.
     pub(crate) rows: Vec<Relative>,
     /// The nodes that each body has here with its condensed S_k; none of bodies that have no nodes here.
-    pub(crate) stiffness: Vec<Option<(Vec<usize>, Arc<Mat<f64>>)>>,
+    pub(crate) stiffness: Vec<Option<Shared>>,
     pub(crate) partition: Partition,
     /// Motions that springs hold.
     pub(crate) motions: Vec<Vec<f64>>,
@@ -39,7 +46,7 @@ impl Joined {
     pub(crate) fn skeleton(self: Arc<Self>, moduli: &[f64]) -> Result<Skeleton, BemError> {
         let protected = self.protected();
         let groups = self.stiffness.iter().zip(moduli).filter_map(|(group, &modulus)| {
-            let (nodes, stiffness) = group.as_ref()?;
+            let Shared { nodes, stiffness } = group.as_ref()?;
             Some(Group { nodes: nodes.clone(), stiffness: &**stiffness * faer::Scale(modulus) })
         });
         let (fronts, groups) = dissect(groups.collect(), &|node| protected[node])?;

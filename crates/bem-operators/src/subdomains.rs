@@ -91,7 +91,7 @@ fn boxes(outline: &Polygon) -> Vec<[[f64; 2]; 2]> {
 
 /// Puts the loops of a subdomain, the outer one first, in an order that moving it does not change: each begins at its point that is
 /// first along a direction, and holes follow each other along it.
-fn in_order(loops: &mut [Vec<usize>], start: impl Fn(usize) -> [f64; 2]) {
+pub(crate) fn in_order(loops: &mut [Vec<usize>], start: impl Fn(usize) -> [f64; 2]) {
     // no line of a drawing is perpendicular to it
     let along = |h: usize| dot(start(h), [1.0_f64.cos(), 1.0_f64.sin()]);
     for one in loops.iter_mut() {

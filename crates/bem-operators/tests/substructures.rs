@@ -340,6 +340,8 @@ fn planned(
         continuation: Continuation { singular: corners.to_vec(), circles },
         graded: corners.to_vec(),
         kept: Vec::new(),
+        valleys: Vec::new(),
+        peaks: Vec::new(),
         degrees: [8, 10, 6],
         of_corner: 40,
     };
@@ -370,6 +372,40 @@ fn plan_for_twenty_circular_holes() {
     });
     assert!(plan.subdomains >= 8 && plan.unknowns[1] <= 300, "{plan:?}");
     assert!(plan.cost[0] > 10.0 * plan.cost[1], "{plan:?}");
+}
+
+/// A plate of equal holes, turned by any angle: few of the subdomains are different, and those that the plan counts as such are those
+/// of a mesh.
+#[test]
+fn plans_for_equal_holes() {
+    for angle in [0.0_f64, 0.4] {
+        let (sin, cos) = angle.sin_cos();
+        let turned = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
+        let centres: Vec<[f64; 2]> = (0..40).map(|k| turned([(k % 8) as f64 + 0.5, (k / 8) as f64 + 0.5])).collect();
+        let corners = [[0.0, 0.0], [8.0, 0.0], [8.0, 5.0], [0.0, 5.0]].map(turned).to_vec();
+        let outer = Loop::straight(corners, vec!["side".to_owned(); 4]);
+        let holes = centres.iter().map(|&c| Loop::circle(c, 0.3, 4, "hole")).collect();
+        let polygon = Polygon::new(outer, holes).expect("a plate");
+        let rules = CutRules {
+            continuation: Continuation {
+                singular: Vec::new(),
+                circles: centres.iter().map(|&c| (c, continued_radius(0.3, 0.4))).collect(),
+            },
+            graded: Vec::new(),
+            kept: Vec::new(),
+            valleys: Vec::new(),
+            peaks: Vec::new(),
+            degrees: [8, 10, 6],
+            of_corner: 40,
+        };
+        let plan = polygon.plan_cuts(&rules);
+        assert!(3 * plan.different < plan.subdomains && plan.cost[0] > 100.0 * plan.cost[1], "{plan:?}");
+        let body = CutBody::with(&polygon, &plan.lines, 0.5, 8, |ends| by_rules(&rules, ends, 8));
+        let first = Subdomain::first_translates(&body.subdomains.iter().collect::<Vec<_>>());
+        let different = first.iter().enumerate().filter(|(k, first)| k == *first).count();
+        assert_eq!(body.subdomains.len(), plan.subdomains);
+        assert!(different <= 2 * plan.different, "{different} on a mesh, {} planned", plan.different);
+    }
 }
 
 /// No cuts through a square without holes.

@@ -358,7 +358,9 @@ fn cuts(layout: &Layout, planned: Result<CutPlan, String>, modelled: &mut Vec<De
                 gigabytes[0],
                 layout.dofs_on_cuts(),
             );
-            modelled.push(decision(WHAT, format!("{} along {} lines", plan.subdomains, plan.lines.len()), why));
+            let choice =
+                format!("{}, {} of them different, along {} lines", plan.subdomains, plan.different, plan.lines.len());
+            modelled.push(decision(WHAT, choice, why));
         }
     }
 }

@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use steklov_bem_operators::{Continuation, CutPlan, CutRules, Cuts, Edge, Piece, continued_radius};
 use steklov_elastic::plane::{angle, distance};
+use steklov_expression::Turn;
 use steklov_problem::{Condition, Cutting, Indicator, Multiplier, Refine, Scene};
 
 use crate::mesh::first_mesh::singular_points;
 use crate::mesh::layout::MeshedCuts;
+use crate::refine::asperities::gap_turns;
 
 /// Error of cuts that the degrees of a first mesh allow for, where layers at corners need several steps anyway.
 const FIRST: f64 = 0.1;
@@ -75,7 +77,17 @@ fn plan(scene: &Scene) -> Result<(CutPlan, CutRules), String> {
 }
 
 fn rules(scene: &Scene) -> CutRules {
-    let (continuation, graded) = continuation(scene);
+    let (mut continuation, graded) = continuation(scene);
+    let turns = gap_turns(scene);
+    let at = |maximum: bool| {
+        let edges = scene.problem.outline.edges().iter().zip(&turns);
+        let of_edge = |(edge, turns): (&Edge, &Vec<Turn>)| {
+            turns.iter().filter(|turn| turn.maximum == maximum).map(|turn| edge.point(turn.at)).collect::<Vec<_>>()
+        };
+        edges.flat_map(of_edge).collect::<Vec<[f64; 2]>>()
+    };
+    let [valleys, peaks] = [true, false].map(at);
+    continuation.singular.extend(&peaks);
     let tolerance = scene.method.tolerance();
     let smooth = (-tolerance.ln() / DECAY.ln()).ceil().max(2.0) as usize;
     let layers = (LAYERS * -tolerance.log10()).ceil().max(1.0) as usize;
@@ -83,6 +95,8 @@ fn rules(scene: &Scene) -> CutRules {
         continuation,
         graded,
         kept: scene.contacts().map(|(side, _)| side).collect(),
+        valleys,
+        peaks,
         degrees: [smooth, smooth + 1, smooth],
         of_corner: layers * (layers + 3),
     }

@@ -34,6 +34,12 @@ impl Layout {
     pub fn planned(scene: &Scene) -> (Self, Result<CutPlan, String>) {
         let mesh = Mesh::uniform(&scene.problem.outline, scene.first_elements(), scene.method.degree);
         let mut subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
+        let (cuts, plan) =
+            automatic_cuts(scene).map_or_else(|why| (None, Err(why)), |(cuts, plan)| (Some(cuts), Ok(plan)));
+        let ends = cuts.as_ref().map_or(Vec::new(), |cuts| cuts.cuts.ends());
+        if scene.method.elements.is_none() {
+            divide_at_ends(&mut subdivision, &ends);
+        }
         if scene.method.refine != Refine::Hp {
             // what faces another body does so with whole elements
             if scene.problem.has_several_bodies() {
@@ -62,13 +68,32 @@ impl Layout {
             }
         }
         halve_single(&mut subdivision, scene);
-        let (cuts, plan) =
-            automatic_cuts(scene).map_or_else(|why| (None, Err(why)), |(cuts, plan)| (Some(cuts), Ok(plan)));
-        for (edge, s) in cuts.iter().flat_map(|cuts| cuts.cuts.ends()) {
+        for (edge, s) in ends {
             subdivision.insert(edge, s, &[], 0.0);
         }
         let subdivision = with_first_degrees(subdivision, scene);
         (Self { subdivision, tips: Vec::new(), cuts }.with_equal_cuts(&scene.problem), plan)
+    }
+}
+
+/// Divides edges at the ends of cuts, and their parts into equal elements no longer than those that the edges had: equal cells get equal
+/// elements.
+fn divide_at_ends(subdivision: &mut Subdivision, ends: &[(usize, f64)]) {
+    for (edge, pieces) in subdivision.edges.iter_mut().enumerate() {
+        let own: Vec<f64> = ends.iter().filter(|end| end.0 == edge).map(|end| end.1).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let longest = pieces.iter().map(|piece| piece.end - piece.start).fold(0.0, f64::max);
+        let vertices: Vec<f64> = [0.0].into_iter().chain(own).chain([1.0]).collect();
+        let first = pieces[0];
+        let of_part = |part: &[f64]| {
+            let [a, b] = [part[0], part[1]];
+            let n = ((b - a) / longest - SAME_PLACE).ceil().max(1.0) as usize;
+            let at = move |k: usize| if k == n { b } else { a + (b - a) * k as f64 / n as f64 };
+            (0..n).map(move |k| Piece { start: at(k), end: at(k + 1), ..first })
+        };
+        *pieces = vertices.windows(2).flat_map(of_part).collect();
     }
 }
 

@@ -66,7 +66,7 @@ impl MeshedCuts {
 /// The sizes of the matrices of a layout.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sizes {
-    /// Elements and displacement unknowns of every subdomain; of a body that is not cut those of all.
+    /// Elements and displacement unknowns of every subdomain that is no translate of another one; of a body that is not cut those of all.
     pub pieces: Vec<[usize; 2]>,
     /// Unknowns of the fronts by which those on cuts are eliminated.
     pub fronts: Vec<usize>,
@@ -101,8 +101,10 @@ impl Layout {
         shared.dedup();
         let of =
             |one: &Subdomain| one.nodes.iter().copied().filter(|node| shared.binary_search(node).is_ok()).collect();
+        let first = Subdomain::first_translates(&subdomains.iter().collect::<Vec<_>>());
+        let different = subdomains.iter().enumerate().filter(|(k, _)| first[*k] == *k);
         Sizes {
-            pieces: subdomains.iter().map(|one| [one.mesh.len(), one.space.dofs()]).collect(),
+            pieces: different.map(|(_, one)| [one.mesh.len(), one.space.dofs()]).collect(),
             fronts: front_sizes(subdomains.iter().map(of).collect()),
         }
     }

@@ -6,7 +6,7 @@ use crate::estimate::error_estimate::is_estimated;
 use crate::mesh::layout::{Layout, Sizes};
 
 /// Bytes of the matrices that a mesh needs at once: V, K, W and, for an estimate, six blocks of the enriched spaces; of a body that
-/// is cut those of all subdomains, and the fronts of the unknowns on cuts.
+/// is cut those of all different subdomains, and the fronts of the unknowns on cuts.
 pub fn memory_bytes(scene: &Scene, layout: &Layout) -> u64 {
     let estimated = is_estimated(scene, layout.dofs());
     let bytes = |[elements, dofs]: [usize; 2]| {
