@@ -40,6 +40,8 @@ const TRIED: usize = 8;
 const DEEPEST: usize = 12;
 /// Directions of lines.
 const DIRECTIONS: usize = 8;
+/// Extremes of holes that differ by less than this part of a region are one.
+const SAME_OFFSET: f64 = 1e-6;
 /// Holes that are translates of others from which on lines of their lattice are tried.
 const FEWEST_EQUAL: usize = 4;
 /// Halvings of an element at most.
@@ -347,7 +349,10 @@ impl Planner<'_> {
             let (sin, cos) = (PI * k as f64 / DIRECTIONS as f64).sin_cos();
             let equal = if k.is_multiple_of(4) { 24 } else { 13 };
             let across = [-sin, cos];
-            let ([low, high], at_holes) = offsets(outline, across);
+            let (edges, loops) = (outline.edges(), outline.loops());
+            let [low, high] = extent(across, &edges[loops[0].clone()]);
+            let holes: Vec<&[Edge]> = loops[1..].iter().map(|one| &edges[one.clone()]).collect();
+            let at_holes = at_holes(across, &holes, SAME_OFFSET * (high - low));
             let at = |k: usize| low + (high - low) * k as f64 / (equal + 1) as f64;
             let at_valleys = self.rules.valleys.iter().map(|x| dot(across, *x)).filter(|x| low < *x && *x < high);
             Row { along: [cos, sin], offsets: (1..=equal).map(at).chain(at_holes).chain(at_valleys).collect() }
@@ -529,15 +534,16 @@ fn lattice(outline: &Polygon, pitch: f64) -> Vec<Row> {
         a.len() == b.len() && a.iter().zip(b).all(same)
     };
     let holes: Vec<&[Edge]> = loops[1..].iter().map(|one| &edges[one.clone()]).collect();
-    let has_translate = |k: usize| (0..holes.len()).any(|j| j != k && is_translate(holes[k], holes[j]));
-    if (0..holes.len()).filter(|&k| has_translate(k)).count() < FEWEST_EQUAL {
+    let has_translate = |a: &&[Edge]| holes.iter().any(|b| !std::ptr::eq(*a, *b) && is_translate(a, b));
+    let equal: Vec<&[Edge]> = holes.iter().copied().filter(has_translate).collect();
+    if equal.len() < FEWEST_EQUAL {
         return Vec::new();
     }
     let mut rows: Vec<Row> = Vec::new();
     for edge in edges[loops[0].clone()].iter().filter(|edge| edge.is_line()) {
         let along = edge.tangent(0.0);
         if rows.len() < DIRECTIONS && rows.iter().all(|row| cross(row.along, along).abs() > STEEP) {
-            let mut offsets = offsets(outline, [-along[1], along[0]]).1;
+            let mut offsets = at_holes([-along[1], along[0]], &equal, near);
             offsets.sort_by(f64::total_cmp);
             offsets.dedup_by(|b, a| *b - *a < near);
             rows.push(Row { along, offsets });
@@ -546,25 +552,25 @@ fn lattice(outline: &Polygon, pitch: f64) -> Vec<Row> {
     rows
 }
 
-/// The extent of a body, and the offsets of lines through the middles of holes and midway between neighbouring extremes of holes.
-fn offsets(outline: &Polygon, across: [f64; 2]) -> ([f64; 2], Vec<f64>) {
-    let extent = |edges: &[Edge]| {
-        let of_edge = |edge: &Edge| {
-            let parts = if edge.is_line() { 1 } else { 8 };
-            (0..parts).map(|k| dot(across, edge.point(k as f64 / parts as f64))).collect::<Vec<f64>>()
-        };
-        let all = edges.iter().flat_map(of_edge);
-        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+/// The extent of edges along a direction.
+fn extent(along: [f64; 2], edges: &[Edge]) -> [f64; 2] {
+    let of_edge = |edge: &Edge| {
+        let parts = if edge.is_line() { 1 } else { 8 };
+        (0..parts).map(|k| dot(along, edge.point(k as f64 / parts as f64))).collect::<Vec<f64>>()
     };
-    let loops = outline.loops();
-    let [low, high] = extent(&outline.edges()[loops[0].clone()]);
-    let holes: Vec<[f64; 2]> = loops[1..].iter().map(|one| extent(&outline.edges()[one.clone()])).collect();
-    let mut offsets: Vec<f64> = holes.iter().map(|[a, b]| (a + b) / 2.0).collect();
-    let mut extremes: Vec<f64> = holes.into_iter().flatten().collect();
+    let all = edges.iter().flat_map(of_edge);
+    all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+}
+
+/// The offsets of lines through the middles of holes, and midway between neighbouring extremes of holes that are not `near`.
+fn at_holes(across: [f64; 2], holes: &[&[Edge]], near: f64) -> Vec<f64> {
+    let extents: Vec<[f64; 2]> = holes.iter().map(|hole| extent(across, hole)).collect();
+    let mut offsets: Vec<f64> = extents.iter().map(|[a, b]| (a + b) / 2.0).collect();
+    let mut extremes: Vec<f64> = extents.into_iter().flatten().collect();
     extremes.sort_by(f64::total_cmp);
-    let apart = extremes.windows(2).filter(|pair| pair[1] - pair[0] > 1e-6 * (high - low));
+    let apart = extremes.windows(2).filter(|pair| pair[1] - pair[0] > near);
     offsets.extend(apart.map(|pair| (pair[0] + pair[1]) / 2.0));
-    ([low, high], offsets)
+    offsets
 }
 
 /// The pieces of a region along cuts.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use steklov_bem_operators::{Continuation, CutPlan, CutRules, Cuts, Edge, Piece, continued_radius};
-use steklov_elastic::plane::{angle, distance};
+use steklov_elastic::plane::{angle, distance, dot, minus};
 use steklov_expression::Turn;
 use steklov_problem::{Condition, Cutting, Indicator, Multiplier, Refine, Scene};
 
@@ -155,6 +155,25 @@ fn is_singular(scene: &Scene, before: &Edge, behind: &Edge) -> bool {
     turn <= STRAIGHT || !is_loaded(before) || !is_loaded(behind)
 }
 
+/// Smallest difference of radii that is no rounding (part of the radius).
+const SMALLER: f64 = 1e-6;
+
+/// Radius of the largest disc in a hole, beyond an edge, that touches the edge at a point: that of curvature, or a smaller one that
+/// touches the hole elsewhere too.
+fn touching_radius(edges: &[Edge], edge: &Edge, s: f64, of_curvature: f64) -> f64 {
+    let (x, outward) = (edge.point(s), edge.normal(s));
+    let own = edges.iter().filter(|other| other.loop_index == edge.loop_index);
+    let points = own.flat_map(|other| (0..16).map(|k| other.point(f64::from(k) / 16.0)));
+    let through = |y: [f64; 2]| {
+        let d = minus(y, x);
+        let across = dot(d, outward);
+        let is_apart = dot(d, d).sqrt() > SMALLER * of_curvature;
+        if across > 0.0 && is_apart { dot(d, d) / (2.0 * across) } else { f64::INFINITY }
+    };
+    let smallest = points.map(through).fold(f64::INFINITY, f64::min);
+    if smallest < (1.0 - SMALLER) * of_curvature { smallest } else { of_curvature }
+}
+
 /// The circles up to which the solution continues into holes: of each curved edge that is concave, shrunk by its distance from the
 /// rest of the boundary.
 fn circles(edges: &[Edge]) -> Vec<([f64; 2], f64)> {
@@ -167,7 +186,8 @@ fn circles(edges: &[Edge]) -> Vec<([f64; 2], f64)> {
             if curvature >= 0.0 {
                 continue;
             }
-            let (x, outward, radius) = (edge.point(s), edge.normal(s), -curvature.recip());
+            let (x, outward) = (edge.point(s), edge.normal(s));
+            let radius = touching_radius(edges, edge, s, -curvature.recip());
             let centre = [0, 1].map(|i| x[i] + radius * outward[i]);
             let near = 1e-9 * radius;
             if circles.iter().any(|(c, _)| distance(*c, centre) < near) {
