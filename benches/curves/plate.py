@@ -204,8 +204,12 @@ def draw(rows, folder):
             own = [(row[column], row[5]) for row in rows if row[0] == plate and row[1] == code]
             panel.loglog(*zip(*own), mark, color=colour, label=label)
         panel.set(title=plate, xlabel="processor seconds, one thread")
-        panel.xaxis.set_minor_formatter(matplotlib.ticker.LogFormatter(minor_thresholds=(2, 0.5)))
+        panel.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
+        panel.xaxis.set_major_formatter("{x:g}")
+        panel.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
         panel.grid(True, which="both", alpha=0.3)
+    for panel in panels.flat[len(plates) :]:
+        panel.remove()
     for row in panels:
         row[0].set_ylabel("energy error")
     panels[0][0].legend()
