@@ -41,6 +41,7 @@ mod edge;
 mod edge_check;
 mod edge_queries;
 mod plan_cuts;
+mod cut_lines;
 mod continuation;
 mod polygon;
 mod polygon_check;

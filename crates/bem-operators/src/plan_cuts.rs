@@ -19,6 +19,7 @@ use steklov_elastic::plane::{cross, distance, dot, minus};
 
 use crate::continuation::{Continuation, RHO};
 use crate::cut::{Arrangement, Part};
+use crate::cut_lines::{Row, at_holes, extent, lattice};
 use crate::edge::complex;
 use crate::subdomains::in_order;
 use crate::{Curve, Cut, Edge, Polygon, Segment};
@@ -39,15 +40,13 @@ const TRIED: usize = 8;
 /// Depth of the bisection at most.
 const DEEPEST: usize = 12;
 /// Directions of lines.
-const DIRECTIONS: usize = 8;
+pub(crate) const DIRECTIONS: usize = 8;
 /// Extremes of holes that differ by less than this part of a region are one.
 const SAME_OFFSET: f64 = 1e-6;
-/// Holes that are translates of others from which on lines of their lattice are tried.
-const FEWEST_EQUAL: usize = 4;
 /// Halvings of an element at most.
 const HALVINGS: usize = 8;
 /// Sine of the smallest angle between cuts and the boundary.
-const STEEP: f64 = 0.5;
+pub(crate) const STEEP: f64 = 0.5;
 /// Distances over the pitch: of an end from those of its edge, for edges of length 1 and more; of an edge that counts as longer
 /// than it is; the shortest cut; of vertices from cuts. Over the radius: of arcs that are not crossed.
 const CLEAR: f64 = 0.12;
@@ -56,7 +55,7 @@ const SHORTEST: f64 = 0.04;
 const VERTEX: f64 = 0.05;
 const ARC: f64 = 0.15;
 /// Points closer than this part of the pitch are one, edges whose tangents differ by less go on smoothly.
-const SAME: f64 = 1e-9;
+pub(crate) const SAME: f64 = 1e-9;
 const SMOOTH: f64 = 1e-6;
 
 /// What decides where a body is cut.
@@ -203,12 +202,6 @@ impl Division {
         let lines = self.lines.iter().map(|ends| ends.map(moved)).collect();
         Self { lines, different: Vec::new(), dense: 0.0, ..self.clone() }
     }
-}
-
-/// Parallel lines: their direction, and their offsets across it.
-struct Row {
-    along: [f64; 2],
-    offsets: Vec<f64>,
 }
 
 impl Polygon {
@@ -520,57 +513,6 @@ impl Planner<'_> {
 /// Seconds of m unknowns of a cut in a region with b on earlier ones.
 fn of_skeleton(m: f64, b: f64) -> f64 {
     (m.powi(3) / 3.0 + m * m * b + m * b * b) / SKELETON
-}
-
-/// The lines at holes along the straight edges of a body, if holes are translates of each other: along them it may be cut into cells
-/// of which many are equal.
-fn lattice(outline: &Polygon, pitch: f64) -> Vec<Row> {
-    let (edges, loops) = (outline.edges(), outline.loops());
-    let near = SAME * pitch;
-    let is_translate = |a: &[Edge], b: &[Edge]| {
-        let by = minus(b[0].start, a[0].start);
-        let same =
-            |(a, b): (&Edge, &Edge)| [0.0, 0.3].iter().all(|&s| distance(minus(b.point(s), a.point(s)), by) <= near);
-        a.len() == b.len() && a.iter().zip(b).all(same)
-    };
-    let holes: Vec<&[Edge]> = loops[1..].iter().map(|one| &edges[one.clone()]).collect();
-    let has_translate = |a: &&[Edge]| holes.iter().any(|b| !std::ptr::eq(*a, *b) && is_translate(a, b));
-    let equal: Vec<&[Edge]> = holes.iter().copied().filter(has_translate).collect();
-    if equal.len() < FEWEST_EQUAL {
-        return Vec::new();
-    }
-    let mut rows: Vec<Row> = Vec::new();
-    for edge in edges[loops[0].clone()].iter().filter(|edge| edge.is_line()) {
-        let along = edge.tangent(0.0);
-        if rows.len() < DIRECTIONS && rows.iter().all(|row| cross(row.along, along).abs() > STEEP) {
-            let mut offsets = at_holes([-along[1], along[0]], &equal, near);
-            offsets.sort_by(f64::total_cmp);
-            offsets.dedup_by(|b, a| *b - *a < near);
-            rows.push(Row { along, offsets });
-        }
-    }
-    rows
-}
-
-/// The extent of edges along a direction.
-fn extent(along: [f64; 2], edges: &[Edge]) -> [f64; 2] {
-    let of_edge = |edge: &Edge| {
-        let parts = if edge.is_line() { 1 } else { 8 };
-        (0..parts).map(|k| dot(along, edge.point(k as f64 / parts as f64))).collect::<Vec<f64>>()
-    };
-    let all = edges.iter().flat_map(of_edge);
-    all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
-}
-
-/// The offsets of lines through the middles of holes, and midway between neighbouring extremes of holes that are not `near`.
-fn at_holes(across: [f64; 2], holes: &[&[Edge]], near: f64) -> Vec<f64> {
-    let extents: Vec<[f64; 2]> = holes.iter().map(|hole| extent(across, hole)).collect();
-    let mut offsets: Vec<f64> = extents.iter().map(|[a, b]| (a + b) / 2.0).collect();
-    let mut extremes: Vec<f64> = extents.into_iter().flatten().collect();
-    extremes.sort_by(f64::total_cmp);
-    let apart = extremes.windows(2).filter(|pair| pair[1] - pair[0] > near);
-    offsets.extend(apart.map(|pair| (pair[0] + pair[1]) / 2.0));
-    offsets
 }
 
 /// The pieces of a region along cuts.

@@ -319,6 +319,18 @@ fn by_rules(rules: &CutRules, ends: [[f64; 2]; 2], degree: usize) -> Vec<Piece> 
     breaks.windows(2).map(|s| Piece { start: s[0], end: s[1], degree, mark: Mark::Keep }).collect()
 }
 
+fn rules_without_contact(circles: Vec<([f64; 2], f64)>, corners: &[[f64; 2]]) -> CutRules {
+    CutRules {
+        continuation: Continuation { singular: corners.to_vec(), circles },
+        graded: corners.to_vec(),
+        kept: Vec::new(),
+        valleys: Vec::new(),
+        peaks: Vec::new(),
+        degrees: [8, 10, 6],
+        of_corner: 40,
+    }
+}
+
 /// A plan for a plate with holes: circles by centre and radius, and polygons.
 fn planned(
     polygon: &Polygon,
@@ -336,15 +348,7 @@ fn planned(
         others.chain(to_edges).fold(f64::INFINITY, f64::min)
     };
     let circles = circles.iter().map(|circle| (circle.0, continued_radius(circle.1, gap(circle)))).collect();
-    let rules = CutRules {
-        continuation: Continuation { singular: corners.to_vec(), circles },
-        graded: corners.to_vec(),
-        kept: Vec::new(),
-        valleys: Vec::new(),
-        peaks: Vec::new(),
-        degrees: [8, 10, 6],
-        of_corner: 40,
-    };
+    let rules = rules_without_contact(circles, corners);
     let plan = polygon.plan_cuts(&rules);
     check(&rules, &plan);
     plan
@@ -386,18 +390,8 @@ fn plans_for_equal_holes() {
         let outer = Loop::straight(corners, vec!["side".to_owned(); 4]);
         let holes = centres.iter().map(|&c| Loop::circle(c, 0.3, 4, "hole")).collect();
         let polygon = Polygon::new(outer, holes).expect("a plate");
-        let rules = CutRules {
-            continuation: Continuation {
-                singular: Vec::new(),
-                circles: centres.iter().map(|&c| (c, continued_radius(0.3, 0.4))).collect(),
-            },
-            graded: Vec::new(),
-            kept: Vec::new(),
-            valleys: Vec::new(),
-            peaks: Vec::new(),
-            degrees: [8, 10, 6],
-            of_corner: 40,
-        };
+        let circles = centres.iter().map(|&c| (c, continued_radius(0.3, 0.4))).collect();
+        let rules = rules_without_contact(circles, &[]);
         let plan = polygon.plan_cuts(&rules);
         assert!(3 * plan.different < plan.subdomains && plan.cost[0] > 100.0 * plan.cost[1], "{plan:?}");
         let body = CutBody::with(&polygon, &plan.lines, 0.5, 8, |ends| by_rules(&rules, ends, 8));
