@@ -402,6 +402,31 @@ fn plans_for_equal_holes() {
     }
 }
 
+/// A floor of asperities: cuts end on it in valleys and nowhere else, and without valleys not at all.
+#[test]
+fn cuts_end_in_valleys() {
+    let polygon = plate([8.0, 2.0], Vec::new());
+    let kept = polygon.side_names().iter().position(|name| name == "bottom").expect("a side");
+    let at = |k: usize, off: f64| [8.0 * (k as f64 + off) / 40.0, 0.0];
+    let peaks: Vec<[f64; 2]> = (0..40).map(|k| at(k, 0.5)).collect();
+    let ends = |valleys: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
+        let rules = CutRules {
+            kept: vec![kept],
+            valleys,
+            continuation: Continuation { singular: peaks.clone(), circles: Vec::new() },
+            peaks: peaks.clone(),
+            ..rules_without_contact(Vec::new(), &[])
+        };
+        let plan = polygon.plan_cuts(&rules);
+        plan.lines.into_iter().flatten().filter(|x| x[1].abs() < 1e-9).collect()
+    };
+    let valleys: Vec<[f64; 2]> = (1..40).map(|k| at(k, 0.0)).collect();
+    let found = ends(valleys.clone());
+    assert!(found.len() > 5, "{found:?}");
+    assert!(found.iter().all(|x| valleys.iter().any(|valley| distance(*x, *valley) < 1e-9)), "{found:?}");
+    assert_eq!(ends(Vec::new()), Vec::<[f64; 2]>::new());
+}
+
 /// No cuts through a square without holes.
 #[test]
 fn small_bodies_are_not_cut() {
