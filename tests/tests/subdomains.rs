@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Cuts, Loop, Mark, Piece, Polygon, Space, Subdivision, Subdomain};
-use steklov_elastic::plane::distance;
+use steklov_elastic::plane::{distance, dot, norm};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
 use steklov_model::error::SolveError;
@@ -14,6 +14,7 @@ use steklov_model::run::adaptive_loop::{Progress, Reason, Run, run};
 use steklov_model::run::boundary_elements::{BoundaryElements, RefinedMesh};
 use steklov_model::solve::solution::Solved;
 use steklov_problem::{Condition, Contact, Friction, Refine, Scene, Springs};
+use steklov_quadrature::gauss_legendre;
 
 /// Arcs of a circular hole that begin at 45 degrees.
 fn hole([x, y]: [f64; 2], radius: f64) -> Loop {
@@ -261,5 +262,63 @@ fn refinement_of_cuts() {
         let squared = 1.0 - step.energy / exact + 2.0 * of_traction;
         let effectivity = estimate.relative / squared.sqrt();
         assert!((0.8..1.3).contains(&effectivity), "{} dofs: {effectivity}", step.dofs);
+    }
+}
+
+/// ∮ f over the sides between corners; exact for cubic f.
+fn around(corners: &[[f64; 2]], f: impl Fn([f64; 2]) -> f64) -> f64 {
+    let rule = gauss_legendre(2);
+    let side = |k: usize| {
+        let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
+        let at = |t: f64| [0, 1].map(|i| 0.5 * ((1.0 - t) * a[i] + (1.0 + t) * b[i]));
+        let sum: f64 = rule.points.iter().zip(&rule.weights).map(|(&t, w)| w * f(at(t))).sum();
+        sum * distance(a, b) / 2.0
+    };
+    (0..corners.len()).map(side).sum()
+}
+
+/// Of the displacements of a body that nothing holds the one with the smallest ∮|u|² is told, on any mesh and with any cuts: a
+/// quadrilateral without symmetries under σ_xx = 1, whose displacement is linear.
+#[test]
+fn the_rigid_part_of_a_free_body_is_that_of_its_boundary() {
+    let corners = vec![[3.0, 1.0], [5.0, 1.5], [4.5, 3.0], [2.5, 1.75]];
+    let names = ["a", "b", "c", "d"].map(str::to_owned).to_vec();
+    let polygon = Polygon::new(Loop::straight(corners.clone(), names.clone()), Vec::new()).expect("a quadrilateral");
+    let mut scene = Scene::new(polygon, Material::new(2.0, 0.3, Plane::Strain).expect("a material"));
+    for (k, name) in names.iter().enumerate() {
+        let (a, b) = (corners[k], corners[(k + 1) % 4]);
+        let traction = [(b[1] - a[1]) / distance(a, b), 0.0].map(Expression::number);
+        scene.problem.side_mut(name).expect("a side").condition = Condition::Traction(traction);
+    }
+    let mean = |i: usize| around(&corners, |x| x[i]) / around(&corners, |_| 1.0);
+    let centre = [mean(0), mean(1)];
+    let strained = |x: [f64; 2]| [(1.0 - 0.09) / 2.0 * (x[0] - centre[0]), -0.3 * 1.3 / 2.0 * (x[1] - centre[1])];
+    let turn = |x: [f64; 2]| [centre[1] - x[1], x[0] - centre[0]];
+    let rotation = around(&corners, |x| dot(strained(x), turn(x))) / around(&corners, |x| dot(turn(x), turn(x)));
+    assert!(rotation.abs() > 1e-3, "{rotation}");
+    let cut = [[[3.5, 0.0], [3.5, 4.0]]];
+    for (lines, degree, longest) in [(&[][..], 2, 0.3), (&[], 5, 10.0), (&cut[..], 4, 0.5)] {
+        let (solved, _) = solved_with(&scene, lines, [degree; 2], longest);
+        for (x, u) in solved.space.points.iter().zip(solved.displacement.chunks_exact(2)) {
+            let (strained, turn) = (strained(*x), turn(*x));
+            let off = [0, 1].map(|i| u[i] - strained[i] + rotation * turn[i]);
+            assert!(norm(off) < 1e-11, "degree {degree}, {} cuts, at {x:?}: {off:?}", lines.len());
+        }
+    }
+}
+
+/// With holes the displacement with cuts is that without them, as exactly as the meshes are.
+#[test]
+fn a_free_plate_with_holes_moves_alike_with_and_without_cuts() {
+    let scene = plate([3, 1], vec![hole([0.6, 0.5], 0.3), hole([1.5, 0.45], 0.25), hole([2.4, 0.6], 0.2)]);
+    let at = |x: [f64; 2], solved: &Solved| {
+        let k = solved.space.points.iter().position(|node| distance(*node, x) < 1e-12).expect("a node");
+        [solved.displacement[2 * k], solved.displacement[2 * k + 1]]
+    };
+    let (whole, _) = solved(&scene, &[], [12, 12]);
+    let (cut, _) = solved(&scene, &cells([3, 1]), [12, 12]);
+    for x in [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]] {
+        let (a, b) = (at(x, &whole), at(x, &cut));
+        assert!(distance(a, b) < 1e-7 * norm(a), "at {x:?}: {a:?} {b:?}");
     }
 }

@@ -279,9 +279,8 @@ impl Body {
 
         // forces have the springs of free motions in them: these are taken out after that
         let forces = if self.springs.is_empty() { forces } else { self.elastic_forces(&displacement) };
-        if let Some(outside) = &self.outside {
-            outside.centre(&mut displacement, mesh, space, &self.free);
-        }
+        let boundary = contact.as_ref().map(|c| &c.boundary);
+        self.loose.take_out(&mut displacement, (mesh, space), boundary);
         let lift = contact.as_ref().and_then(|c| c.lift.as_ref()).map(|lift| lift.nodal(&self.points));
         let unlifted = lift.as_ref().map(|_| displacement.clone());
         displacement.iter_mut().zip(lift.iter().flatten()).for_each(|(u, r)| *u += r);

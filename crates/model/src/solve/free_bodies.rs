@@ -7,8 +7,9 @@
 
 use faer::Mat;
 use steklov_algebra::{dot, symmetric_eigen};
-use steklov_bem_operators::{Relative, Space};
-use steklov_elastic::RigidMotion;
+use steklov_bem_operators::{Mesh, Relative, Space};
+use steklov_contact::ContactBoundary;
+use steklov_elastic::{RigidMotion, plane};
 
 use crate::data::joints::{Joint, TiedNode};
 use crate::data::motions::{nodal_work, unresisted};
@@ -28,6 +29,8 @@ const DRIVEN: f64 = 1e-9;
 const SAME: f64 = 0.1;
 /// Part of a motion beyond others below which it is one of them.
 const EXACT: f64 = 1e-12;
+/// Part of a motion below which it does not change a gap.
+const GLIDING: f64 = 1e-9;
 /// Part of a rotation that rounding leaves in other motions.
 const ROUNDED: f64 = 1e-9;
 
@@ -45,6 +48,64 @@ impl Loose {
     pub(crate) fn count(&self) -> usize {
         self.motions.len() + self.rotations.len()
     }
+
+    /// Takes the motions that change no contact out of a nodal displacement: of all that they allow, the rest has the smallest
+    /// ∮|u|² over the boundaries of all bodies, whatever the nodes and the cuts are. Rotations of bodies in sides that they map
+    /// onto themselves stay.
+    pub(crate) fn take_out(
+        &self,
+        displacement: &mut [f64],
+        (mesh, space): (&Mesh, &Space),
+        boundary: Option<&ContactBoundary>,
+    ) {
+        let mut motions: Vec<Vec<f64>> = self.motions.iter().filter(|r| glides(r, boundary)).cloned().collect();
+        if motions.is_empty() {
+            return;
+        }
+        let weights = node_lengths(mesh, space);
+        // nodes on cuts count for nothing
+        let product = |u: &[f64], v: &[f64]| -> f64 {
+            let pairs = u.chunks_exact(2).zip(v.chunks_exact(2)).zip(&weights);
+            pairs.map(|((u, v), weight)| weight * (u[0] * v[0] + u[1] * v[1])).sum()
+        };
+        let project_off = |u: &mut [f64], r: &[f64]| {
+            let part = product(u, r) / product(r, r);
+            u.iter_mut().zip(r).for_each(|(u, r)| *u -= part * r);
+        };
+        for k in 0..motions.len() {
+            let (before, rest) = motions.split_at_mut(k);
+            before.iter().for_each(|r| project_off(&mut rest[0], r));
+            project_off(displacement, &rest[0]);
+        }
+    }
+}
+
+/// The length of the boundary that each node stands for: Gauss-Lobatto weights of its elements.
+fn node_lengths(mesh: &Mesh, space: &Space) -> Vec<f64> {
+    let mut lengths = vec![0.0; space.nodes()];
+    for e in 0..mesh.len() {
+        let basis = space.basis(e);
+        for ((node, &t), weight) in space.element_nodes(e).zip(&basis.nodes).zip(&basis.weights) {
+            lengths[node] += weight * mesh.speed(e, t);
+        }
+    }
+    lengths
+}
+
+/// Whether a motion, a nodal vector, changes no gap and slips nowhere against friction.
+fn glides(motion: &[f64], boundary: Option<&ContactBoundary>) -> bool {
+    let Some(boundary) = boundary else { return true };
+    let relative = boundary.relative(motion);
+    let largest = motion.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
+    boundary.nodes.iter().zip(&boundary.contact).all(|(node, condensed)| {
+        let r = [relative[2 * node.node], relative[2 * node.node + 1]];
+        let still = |direction| plane::dot(r, direction).abs() <= GLIDING * largest;
+        let mut conditions = node.conditions.iter().zip(&condensed.conditions);
+        conditions.all(|(plane, condition)| {
+            let rubs = condition.bound > 0.0 || condition.coefficient > 0.0;
+            still(plane.normal) && (!rubs || still(plane.tangent))
+        })
+    })
 }
 
 /// A rigid motion of a body.

@@ -19,7 +19,7 @@ use steklov_bem_operators::{
 };
 use steklov_contact::oscillation;
 use steklov_coupling::{Balance, Coupled, Radiation};
-use steklov_elastic::{Material, RigidMotion};
+use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::Scene;
 use steklov_quadrature::legendre_p;
@@ -92,21 +92,6 @@ impl Outside {
         let of_medium = product(&self.stiffness, u);
         let inside: Vec<f64> = forces.iter().zip(&of_medium).map(|(all, medium)| all - medium).collect();
         0.5 * (dot(u, &inside) + dot(xi, &product(&self.stiffness, xi)))
-    }
-
-    /// Takes the mean over the interface out of a displacement that may be translated.
-    pub(crate) fn centre(&self, u: &mut [f64], mesh: &Mesh, space: &Space, free: &[RigidMotion]) {
-        if free.is_empty() {
-            return;
-        }
-        let (mut mean, mut length) = ([0.0; 2], 0.0);
-        for e in 0..mesh.len() {
-            length += mesh.length(e);
-            for (node, weight) in space.element_nodes(e).zip(&space.basis(e).weights) {
-                (0..2).for_each(|i| mean[i] += weight * mesh.length(e) / 2.0 * u[2 * node + i]);
-            }
-        }
-        u.iter_mut().enumerate().for_each(|(k, u)| *u -= mean[k % 2] / length);
     }
 
     /// The medium of a solution; `loads` are the nodal values of t0.

@@ -84,9 +84,7 @@ fn release_rotations(
         if !std::mem::replace(&mut is_done[number], true) {
             project_off(&mut matrices.different[number], &nodal(&candidates, &part.space.points));
         }
-        if several {
-            *turning = candidates;
-        }
+        *turning = candidates;
     }
 }
 
