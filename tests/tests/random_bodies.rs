@@ -93,7 +93,7 @@ fn moments_of_bars_are_those_of_their_closed_form() {
         assert!((force.variance / variance - 1.0).abs() < 1e3 * error, "{method:?}: {} {variance}", force.variance);
         assert!(!result.coupled && !result.is_doubtful());
     }
-    let result = outcomes(&bars("method = \"monte-carlo\"\nsamples = 4000\nseed = 7\n"));
+    let result = outcomes(&bars("method = \"monte-carlo\"\nsamples = 1000\nseed = 7\n"));
     let force = quantity(&result, "interfaces.0.force.x");
     let errors = [force.standard_error, force.variance_error].map(|error| error.expect("an error"));
     assert!((force.mean + mean).abs() < 3.0 * errors[0], "{} {mean} {}", force.mean, errors[0]);

@@ -187,10 +187,18 @@ fn plans_are_the_least_model() {
 fn active_set_and_newton_agree() {
     let mut compared = 0;
     for path in gallery() {
-        let scene = |solver: &str| read(&path, &[&format!("method.solver=\"{solver}\""), "method.refine=\"none\""]);
-        let active = solved(&scene("active-set")).0;
+        let with = |solver: &str| {
+            let scene = read(&path, &[&format!("method.solver=\"{solver}\""), "method.refine=\"none\""]);
+            // of random input the mean
+            Scene { random: None, expect: Vec::new(), ..scene }
+        };
+        let scene = with("active-set");
+        if scene.contacts().next().is_none() {
+            continue;
+        }
+        let active = solved(&scene).0;
         let Some(audit) = &active.audit else { continue };
-        let newton = solved(&scene("newton")).0;
+        let newton = solved(&with("newton")).0;
         compared += 1;
         let difference = (newton.energy - active.energy).abs() / newton.energy.abs();
         let (n, a) = (newton.iterations, active.iterations);

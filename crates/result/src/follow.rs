@@ -9,8 +9,6 @@
 //! pixels apart. The longest edge of a triangle with a marked edge is marked too. Triangles are cut at the middles of
 //! their marked edges, first at the middle of the longest one, so that angles do not degenerate.
 
-use std::collections::{HashMap, HashSet};
-
 use rayon::prelude::*;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::plane::{cross, distance, dot, minus, norm};
@@ -76,17 +74,6 @@ struct Middle {
     value: Value,
 }
 
-type Middles = HashMap<[usize; 2], Middle>;
-
-fn key(a: usize, b: usize) -> [usize; 2] {
-    [a.min(b), a.max(b)]
-}
-
-/// The three edges of a triangle, edge k after corner k.
-fn edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
-    [key(a, b), key(b, c), key(c, a)]
-}
-
 type At<'a> = &'a (dyn Fn(usize, [f64; 2], Option<(usize, f64)>) -> Value + Sync);
 
 /// Splits the triangles until they follow the field, which is evaluated once at each point (body, point, place on the
@@ -99,69 +86,123 @@ pub(crate) fn follow(filling: &mut Filling, polygon: &Polygon, value: At<'_>) ->
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
     };
     let size = extent(0).max(extent(1));
-    let mut middles = Middles::new();
+    let mut edges = Edges::new(filling, Edges::default());
     for _ in 0..ROUNDS {
         let scale = Scale::new(filling, &values, size);
-        let mut tried: Vec<[usize; 2]> = filling.triangles.iter().flat_map(|&t| edges(t)).collect();
-        tried.sort_unstable();
-        tried.dedup();
         let slopes = slopes(filling, &values, &scale);
-        let on_boundary: HashSet<[usize; 2]> = filling.outline.iter().map(|s| key(s.ends[0], s.ends[1])).collect();
-        tried.retain(|e| {
-            let length = distance(filling.points[e[0]], filling.points[e[1]]);
-            if on_boundary.contains(e) {
-                return length > size / PIXELS_AT_BOUNDARY;
+        let is_tried = |k: &usize| {
+            if edges.place[*k].is_some() {
+                return edges.length[*k] > size / PIXELS_AT_BOUNDARY;
             }
+            let ends = edges.ends[*k];
             // across a ligament the slopes at both ends may be equal
-            let doubt = match e.iter().filter(|&&i| filling.places[i].is_some()).count() {
+            let doubt = match ends.iter().filter(|&&i| filling.places[i].is_some()).count() {
                 0 => DOUBT,
                 1 => DOUBT_AT_BOUNDARY,
                 _ => 0.0,
             };
-            length > size / PIXELS && scale.expected(filling, &slopes, *e) >= doubt
-        });
-        add_middles(filling, polygon, &tried, &mut middles, value);
-        let folded = folded(filling, &middles);
-        let marked = marked(filling, &values, &middles, &folded, &scale);
+            edges.length[*k] > size / PIXELS && scale.expected(filling, &slopes, ends) >= doubt
+        };
+        let tried: Vec<usize> = (0..edges.ends.len()).filter(is_tried).collect();
+        edges.add_middles(filling, polygon, &tried, value);
+        let folded = edges.folded(filling);
+        let marked = marked(filling, &values, &edges, &folded, &scale);
         if marked.is_empty() {
             break;
         }
-        add_middles(filling, polygon, &marked, &mut middles, value);
-        split(filling, &mut values, &middles, &folded, &marked);
+        edges.add_middles(filling, polygon, &marked, value);
+        split(filling, &mut values, &edges, &folded, &marked);
+        edges = Edges::new(filling, edges);
     }
     values
 }
 
-/// Adds the middles of the wanted edges that have none yet.
-fn add_middles(filling: &Filling, polygon: &Polygon, wanted: &[[usize; 2]], middles: &mut Middles, value: At<'_>) {
-    let places: HashMap<[usize; 2], (usize, f64)> =
-        filling.outline.iter().map(|s| (key(s.ends[0], s.ends[1]), (s.edge, (s.span[0] + s.span[1]) / 2.0))).collect();
-    let middle = |e: &[usize; 2]| {
-        let (a, b) = (filling.points[e[0]], filling.points[e[1]]);
-        let place = places.get(e).copied();
-        let point = match place {
-            Some((edge, s)) => polygon.edges()[edge].point(s),
-            None => [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0],
-        };
-        (*e, Middle { point, place, value: value(filling.bodies[e[0]], point, place) })
-    };
-    let new: Vec<_> = wanted.par_iter().filter(|e| !middles.contains_key(*e)).map(middle).collect();
-    middles.extend(new);
+/// The edges of the triangles, in rising order of their points.
+#[derive(Default)]
+struct Edges {
+    /// The two points, the smaller number first.
+    ends: Vec<[usize; 2]>,
+    length: Vec<f64>,
+    /// Where the middle of a segment of the outline is on the boundary.
+    place: Vec<Option<(usize, f64)>>,
+    /// The middles that are known.
+    middle: Vec<Option<Middle>>,
+    /// The edges of each triangle, edge k after corner k.
+    of_triangle: Vec<[usize; 3]>,
+    /// The edge of each segment of the outline.
+    of_segment: Vec<Option<usize>>,
 }
 
-/// The segments of the boundary whose middle lies beyond another side of their triangle, which are not split.
-fn folded(filling: &Filling, middles: &Middles) -> HashSet<[usize; 2]> {
-    let mut folded = HashSet::new();
-    for &[a, b, c] in &filling.triangles {
-        for [a, b, c] in [[a, b, c], [b, c, a], [c, a, b]] {
-            let Some(m) = middles.get(&key(a, b)).filter(|m| m.place.is_some()) else { continue };
-            let [p, q, r] = [a, b, c].map(|i| filling.points[i]);
-            if cross(minus(m.point, p), minus(r, p)) <= 0.0 || cross(minus(q, m.point), minus(r, m.point)) <= 0.0 {
-                folded.insert(key(a, b));
+impl Edges {
+    /// The edges of the triangles as they are, with the middles that were known before.
+    fn new(filling: &Filling, before: Self) -> Self {
+        let key = |a: usize, b: usize| [a.min(b), a.max(b)];
+        let of =
+            |(t, &[a, b, c]): (usize, &[usize; 3])| [(key(a, b), [t, 0]), (key(b, c), [t, 1]), (key(c, a), [t, 2])];
+        let mut sides: Vec<([usize; 2], [usize; 2])> = filling.triangles.iter().enumerate().flat_map(of).collect();
+        sides.sort_unstable();
+        let mut ends: Vec<[usize; 2]> = Vec::with_capacity(sides.len());
+        let mut of_triangle = vec![[0; 3]; filling.triangles.len()];
+        for (points, [t, k]) in sides {
+            if ends.last() != Some(&points) {
+                ends.push(points);
+            }
+            of_triangle[t][k] = ends.len() - 1;
+        }
+        let find = |s: &Segment| ends.binary_search(&key(s.ends[0], s.ends[1])).ok();
+        let of_segment: Vec<Option<usize>> = filling.outline.iter().map(find).collect();
+        let mut place = vec![None; ends.len()];
+        for (s, k) in filling.outline.iter().zip(&of_segment) {
+            k.iter().for_each(|&k| place[k] = Some((s.edge, (s.span[0] + s.span[1]) / 2.0)));
+        }
+        let mut known = before.ends.iter().zip(before.middle).peekable();
+        let middle = ends.iter().map(|points| {
+            while known.next_if(|(other, _)| *other < points).is_some() {}
+            known.next_if(|(other, _)| *other == points)?.1
+        });
+        let middle = middle.collect();
+        let length = ends.iter().map(|[a, b]| distance(filling.points[*a], filling.points[*b])).collect();
+        Self { ends, length, place, middle, of_triangle, of_segment }
+    }
+
+    /// Adds the middles of the wanted edges that have none yet.
+    fn add_middles(&mut self, filling: &Filling, polygon: &Polygon, wanted: &[usize], value: At<'_>) {
+        let middle = |&k: &usize| {
+            let [a, b] = self.ends[k].map(|i| filling.points[i]);
+            let place = self.place[k];
+            let point = match place {
+                Some((edge, s)) => polygon.edges()[edge].point(s),
+                None => [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0],
+            };
+            (k, Middle { point, place, value: value(filling.bodies[self.ends[k][0]], point, place) })
+        };
+        let new: Vec<_> = wanted.par_iter().filter(|&&k| self.middle[k].is_none()).map(middle).collect();
+        new.into_iter().for_each(|(k, middle)| self.middle[k] = Some(middle));
+    }
+
+    /// The segments of the boundary whose middle lies beyond another side of their triangle, which are not split.
+    fn folded(&self, filling: &Filling) -> Vec<bool> {
+        let mut folded = vec![false; self.ends.len()];
+        for (corners, edges) in filling.triangles.iter().zip(&self.of_triangle) {
+            for (k, &edge) in edges.iter().enumerate() {
+                let Some(m) = self.middle[edge].as_ref().filter(|m| m.place.is_some()) else { continue };
+                let [p, q, r] = [0, 1, 2].map(|i| filling.points[corners[(k + i) % 3]]);
+                folded[edge] |=
+                    cross(minus(m.point, p), minus(r, p)) <= 0.0 || cross(minus(q, m.point), minus(r, m.point)) <= 0.0;
             }
         }
+        folded
     }
-    folded
+
+    /// Which of the edges of a triangle is the longest one that can be split.
+    fn longest(&self, folded: &[bool], triangle: usize) -> Option<usize> {
+        let edge = |k: usize| self.of_triangle[triangle][k];
+        let open = (0..3).filter(|&k| !folded[edge(k)]);
+        open.max_by(|&a, &b| {
+            let [a, b] = [a, b].map(edge);
+            self.length[a].total_cmp(&self.length[b]).then(a.cmp(&b))
+        })
+    }
 }
 
 /// The allowed errors.
@@ -227,88 +268,65 @@ fn slopes(filling: &Filling, values: &[Value], scale: &Scale) -> Vec<[f64; 2]> {
     sums.iter().map(|(slope, area)| slope.map(|s| s / area)).collect()
 }
 
-/// The edges to split: the worst ones, as many as there is room for, and the edges that keep the triangulation
+/// The edges to split, rising: the worst ones, as many as there is room for, and the edges that keep the triangulation
 /// conforming.
-fn marked(
-    filling: &Filling,
-    values: &[Value],
-    middles: &Middles,
-    folded: &HashSet<[usize; 2]>,
-    scale: &Scale,
-) -> Vec<[usize; 2]> {
-    let mut wanted: Vec<(f64, [usize; 2])> = Vec::new();
-    for e in filling.triangles.iter().flat_map(|&t| edges(t)) {
-        let middle = middles.get(&e).filter(|_| !folded.contains(&e));
-        if let Some(error) = middle.map(|m| scale.error(filling, values, e, m)).filter(|&error| error > 1.0) {
-            wanted.push((error, e));
+fn marked(filling: &Filling, values: &[Value], edges: &Edges, folded: &[bool], scale: &Scale) -> Vec<usize> {
+    let error = |k: usize| {
+        let middle = edges.middle[k].as_ref().filter(|_| !folded[k])?;
+        Some((scale.error(filling, values, edges.ends[k], middle), k)).filter(|wanted| wanted.0 > 1.0)
+    };
+    let mut wanted: Vec<(f64, usize)> = (0..edges.ends.len()).filter_map(error).collect();
+    wanted.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let room = MOST_POINTS.saturating_sub(filling.points.len());
+    let mut is_marked = vec![false; edges.ends.len()];
+    wanted.iter().take(room).for_each(|w| is_marked[w.1] = true);
+    let mut added = room > 0 && !wanted.is_empty();
+    while std::mem::take(&mut added) {
+        for (t, of_triangle) in edges.of_triangle.iter().enumerate() {
+            if !of_triangle.iter().any(|&k| is_marked[k]) {
+                continue;
+            }
+            let longest = edges.longest(folded, t).map(|k| of_triangle[k]);
+            if let Some(longest) = longest.filter(|&k| !is_marked[k]) {
+                (is_marked[longest], added) = (true, true);
+            }
         }
     }
-    wanted.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    wanted.dedup();
-    let room = MOST_POINTS.saturating_sub(filling.points.len());
-    let mut marked: Vec<[usize; 2]> = wanted.iter().map(|w| w.1).take(room).collect();
-    marked.sort_unstable();
-    let mut added = true;
-    while added && !marked.is_empty() {
-        let more: Vec<[usize; 2]> = filling
-            .triangles
-            .iter()
-            .filter(|&&t| edges(t).iter().any(|e| marked.binary_search(e).is_ok()))
-            .filter_map(|&t| longest(filling, folded, t))
-            .filter(|e| marked.binary_search(e).is_err())
-            .collect();
-        added = !more.is_empty();
-        marked.extend(more);
-        marked.sort_unstable();
-        marked.dedup();
-    }
-    marked
+    (0..edges.ends.len()).filter(|&k| is_marked[k]).collect()
 }
 
-/// The longest edge of a triangle that can be split.
-fn longest(filling: &Filling, folded: &HashSet<[usize; 2]>, triangle: [usize; 3]) -> Option<[usize; 2]> {
-    let length = |e: &[usize; 2]| distance(filling.points[e[0]], filling.points[e[1]]);
-    let open = edges(triangle).into_iter().filter(|e| !folded.contains(e));
-    open.max_by(|a, b| length(a).total_cmp(&length(b)).then(a.cmp(b)))
-}
-
-/// Cuts the triangles at the middles of the marked edges, which are sorted.
-fn split(
-    filling: &mut Filling,
-    values: &mut Vec<Value>,
-    middles: &Middles,
-    folded: &HashSet<[usize; 2]>,
-    marked: &[[usize; 2]],
-) {
-    let mut number: HashMap<[usize; 2], usize> = HashMap::new();
-    for &e in marked {
-        let middle = &middles[&e];
-        number.insert(e, filling.points.len());
-        filling.bodies.push(filling.bodies[e[0]]);
+/// Cuts the triangles at the middles of the marked edges.
+fn split(filling: &mut Filling, values: &mut Vec<Value>, edges: &Edges, folded: &[bool], marked: &[usize]) {
+    let mut number: Vec<Option<usize>> = vec![None; edges.ends.len()];
+    for &k in marked {
+        let Some(middle) = &edges.middle[k] else { continue };
+        number[k] = Some(filling.points.len());
+        filling.bodies.push(filling.bodies[edges.ends[k][0]]);
         filling.points.push(middle.point);
         filling.places.push(middle.place);
         values.push(middle.value);
     }
     let mut triangles = Vec::with_capacity(filling.triangles.len() + 2 * marked.len());
-    for &t in &filling.triangles {
-        if !edges(t).iter().any(|e| number.contains_key(e)) {
-            triangles.push(t);
+    for (t, (corners, of_triangle)) in filling.triangles.iter().zip(&edges.of_triangle).enumerate() {
+        if of_triangle.iter().all(|&k| number[k].is_none()) {
+            triangles.push(*corners);
             continue;
         }
-        let first = longest(filling, folded, t).and_then(|e| edges(t).iter().position(|other| *other == e));
-        let [a, b, c] = [0, 1, 2].map(|k| t[(first.unwrap_or(0) + k) % 3]);
-        let Some(&m) = number.get(&key(a, b)) else { continue };
+        let first = edges.longest(folded, t).unwrap_or(0);
+        let [a, b, c] = [0, 1, 2].map(|k| corners[(first + k) % 3]);
+        let [ab, bc, ca] = [0, 1, 2].map(|k| number[of_triangle[(first + k) % 3]]);
+        let Some(m) = ab else { continue };
         // each half has one other edge of the triangle
-        for [p, q, r] in [[c, a, m], [b, c, m]] {
-            match number.get(&key(p, q)) {
-                Some(&n) => triangles.extend([[p, n, r], [n, q, r]]),
+        for ([p, q, r], middle) in [([c, a, m], ca), ([b, c, m], bc)] {
+            match middle {
+                Some(n) => triangles.extend([[p, n, r], [n, q, r]]),
                 None => triangles.push([p, q, r]),
             }
         }
     }
     filling.triangles = triangles;
-    let halves = |s: &Segment| match number.get(&key(s.ends[0], s.ends[1])) {
-        Some(&m) => {
+    let halves = |(s, edge): (&Segment, &Option<usize>)| match edge.and_then(|k| number[k]) {
+        Some(m) => {
             let middle = (s.span[0] + s.span[1]) / 2.0;
             let [a, b] = [[s.ends[0], m], [m, s.ends[1]]];
             vec![
@@ -318,5 +336,5 @@ fn split(
         }
         None => vec![*s],
     };
-    filling.outline = filling.outline.iter().flat_map(halves).collect();
+    filling.outline = filling.outline.iter().zip(&edges.of_segment).flat_map(halves).collect();
 }
