@@ -322,3 +322,28 @@ fn a_free_plate_with_holes_moves_alike_with_and_without_cuts() {
         assert!(distance(a, b) < 1e-7 * norm(a), "at {x:?}: {a:?} {b:?}");
     }
 }
+
+/// A uniform pressure on all sides and holes, and no load at all: exact on any mesh, and undoubted with cuts too.
+#[test]
+fn exact_answers_of_subdomains_have_no_doubt() {
+    let hexagon = |[x, y]: [f64; 2]| {
+        let corner = |k: usize| {
+            let (sin, cos) = (-(k as f64) * std::f64::consts::FRAC_PI_3).sin_cos();
+            [x + 0.3 * cos, y + 0.3 * sin]
+        };
+        Loop::straight((0..6).map(corner).collect(), vec!["hole".to_owned(); 6])
+    };
+    let holes = (0..6).map(|k| hexagon([(k % 3) as f64 + 0.5, (k / 3) as f64 + 0.5])).collect();
+    let mut scene = plate([3, 2], holes);
+    for pressure in [0.0, 0.4] {
+        for side in &mut scene.problem.sides {
+            side.condition = Condition::Pressure(Expression::number(pressure));
+        }
+        let (solved, estimate) = solved(&scene, &cells([3, 2]), [3, 3]);
+        // plane strain, E = 1, ν = 0.3: the strain is -p (1 + ν)(1 - 2ν)/E in all directions
+        let area = 6.0 * (1.0 - 1.5 * 3f64.sqrt() * 0.09);
+        let energy = pressure * pressure * 1.3 * 0.4 * area;
+        assert!((solved.energies.strain - energy).abs() <= 1e-12 * energy, "{} {energy}", solved.energies.strain);
+        assert!(estimate.relative < 1e-9 && estimate.doubts.is_empty(), "{}: {:?}", estimate.relative, estimate.doubts);
+    }
+}

@@ -161,7 +161,7 @@ impl Model for BoundaryElements {
             estimate.add_transitions(scene, &solved.mesh, &located, before);
             decided.iter().for_each(|decided| estimate.add_undecided(decided));
             estimate.add_roundoff(&solved);
-            estimate.settle_exact(scene, &solved)?;
+            estimate.settle_exact(scene, &solved, &body)?;
         }
         if let (Some(random), Some(enriched), Some(one)) = (&scene.random, &enriched, &mut estimate)
             && one.relative <= scene.method.tolerance()
