@@ -187,6 +187,23 @@ fn wrong_entries_are_noticed(place: &Place) {
     }
 }
 
+/// A disc with a hole beside its centre, held by nothing: the displacement has a rotation in it, which polynomials on arcs do not
+/// follow, and the strain energy of the matrices is that without it.
+#[test]
+fn the_energy_of_a_free_body_with_curves_is_that_without_its_motion() {
+    let place = Place::new();
+    place.write(
+        "disc.toml",
+        "title = \"disc\"\n[body]\ncircle = { centre = [3, 1], radius = 2 }\nside = \"outside\"\n[[body.holes]]\n\
+         circle = { centre = [3.7, 1.4], radius = 0.6 }\nside = \"hole\"\n[material]\nyoung = 1\npoisson = 0.3\n\
+         [sides.outside]\ntraction = [\"0.1*(x-3) + 0.2*(y-1)\", \"0.2*(x-3) - 0.05*(y-1)\"]\n\
+         [method]\ntolerance = 0.1\n",
+    );
+    place.run(["solve", "disc.toml", "--quiet", "--save", "all"]).demand(0);
+    let said = place.python(CHECK_RESULT, &["disc.vtkhdf"]).demand(0).out;
+    assert!(said.lines().any(|line| line.starts_with("strain energy")), "{said}");
+}
+
 #[test]
 fn a_result_that_saved_nothing_says_how_to_save() {
     let place = Place::new();

@@ -239,20 +239,6 @@ impl Body {
         elastic.iter().zip(self.pull(displacement)).map(|(f, pull)| f + pull).collect()
     }
 
-    /// Tractions of a nodal displacement, Legendre coefficients as the space numbers them.
-    pub fn traction(&self, displacement: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; self.space.dofs()];
-        for body in &self.pieces {
-            let part = &body.piece.part;
-            let own = body.traction(&part.own(displacement));
-            for (local, &e) in part.elements.iter().enumerate().filter(|(_, e)| **e < self.mesh.len()) {
-                let [from, to] = [2 * part.space.offset[local], 2 * part.space.offset[local + 1]];
-                all[2 * self.space.offset[e]..2 * self.space.offset[e + 1]].copy_from_slice(&own[from..to]);
-            }
-        }
-        all
-    }
-
     /// The answer to the loads on the body; `solve` solves the condensed contact problem. No times are measured.
     ///
     /// # Errors
