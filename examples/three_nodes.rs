@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let node = |k: usize| ContactNode { first: 2 * k, unknowns: 2, conditions: vec![condition.clone()] };
     let chain = [[3.0, -1.0, 0.0], [-1.0, 4.0, -1.0], [0.0, -1.0, 3.0]];
     let problem = Problem {
-        stiffness: Mat::from_fn(6, 6, |i, j| if i % 2 == j % 2 { chain[i / 2][j / 2] } else { 0.0 }),
+        stiffness: Mat::from_fn(6, 6, |i, j| if i % 2 == j % 2 { chain[i / 2][j / 2] } else { 0.0 }).into(),
         load: vec![4.0, -2.0, 3.0, 12.0, -3.0, 0.0],
         nodes: (0..3).map(node).collect(),
     };

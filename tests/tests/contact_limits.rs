@@ -279,7 +279,7 @@ proptest! {
             coefficient: 0.0,
         };
         let nodes = vec![ContactNode { first: 0, unknowns: 1, conditions: vec![condition] }];
-        let problem = Problem { stiffness: Mat::from_fn(1, 1, |_, _| 1.0), load: vec![1.0], nodes };
+        let problem = Problem { stiffness: Mat::from_fn(1, 1, |_, _| 1.0).into(), load: vec![1.0], nodes };
         prop_assert_eq!(problem.check(), Ok(()));
     }
 }

@@ -223,7 +223,7 @@ fn condensed() -> Problem {
     let partition = Partition { kept: boundary.kept(), held, frames: boundary.frames() };
     let condensation = Condensation::new(matrix, &partition, &[]).expect("the top is held");
     let load = condensation.load(&vec![0.0; space.dofs()]).kept;
-    Problem { stiffness: condensation.stiffness().expect("no fault"), load, nodes: boundary.contact }
+    Problem { stiffness: condensation.stiffness().expect("no fault").into(), load, nodes: boundary.contact }
 }
 
 /// The safe step converges and is known: 1.9/2 of it does too, a step beyond it is reported as diverged.

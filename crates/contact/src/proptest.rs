@@ -53,7 +53,7 @@ fn coercive(kinds: Vec<Kind>, friction: Friction) -> impl Strategy<Value = Probl
         let gram = |i: usize, j: usize| (0..m).map(|k| g[i * m + k] * g[j * m + k]).sum::<f64>() / m as f64;
         let stiffness = Mat::from_fn(m, m, |i, j| size * (gram(i, j) + if i == j { 0.1 } else { 0.0 }));
         nodes.iter_mut().flat_map(|n| &mut n.conditions).for_each(|c| c.bound *= size);
-        Problem { stiffness, load: load.iter().map(|f| f * size).collect(), nodes }
+        Problem { stiffness: stiffness.into(), load: load.iter().map(|f| f * size).collect(), nodes }
     })
 }
 
@@ -73,7 +73,7 @@ pub fn floating(nodes_at_most: usize, friction: Friction) -> impl Strategy<Value
                 load[2 * i + 1] +=
                     if c.bound.is_finite() { c.tangent_weight * c.limit(share[i].0) * share[i].1 } else { share[i].1 };
             }
-            Problem { stiffness, load, nodes }
+            Problem { stiffness: stiffness.into(), load, nodes }
         })
     })
 }

@@ -24,7 +24,7 @@ fn solved(
     let condensation = Condensation::new(stiffness.clone(), &partition, &[]).expect("held");
     let condensed = condensation.load(load);
     let (nodes, load) = (boundary.contact.clone(), condensed.kept.clone());
-    let problem = Problem { stiffness: condensation.stiffness().expect("no fault"), load, nodes };
+    let problem = Problem { stiffness: condensation.stiffness().expect("no fault").into(), load, nodes };
     let mut solution = interior_point(&problem).expect("a solution");
     assert!(solution.converged());
     let displacement = condensation.expand(&condensed, &solution.displacement);

@@ -54,7 +54,7 @@ fn block(floor: (Vec<f64>, Vec<usize>), friction: f64, pull: f64) -> Problem {
     let partition = Partition { kept: boundary.kept(), held: Vec::new(), frames: boundary.frames() };
     let condensation = Condensation::new(steklov.matrix, &partition, &[]).unwrap();
     let kept = condensation.load(&load).kept;
-    Problem { stiffness: condensation.stiffness().expect("no fault"), load: kept, nodes: boundary.contact }
+    Problem { stiffness: condensation.stiffness().expect("no fault").into(), load: kept, nodes: boundary.contact }
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! [`Persist`] for the types of `steklov-contact`: flat arrays with a row for each node or condition.
 
 use hdf5::Group;
+use sprs::CsMat;
+use steklov_algebra::{Pattern, SparseSymmetric, Symmetric};
 use steklov_contact::{Condition, ContactNode, Kkt, Outcome, Problem, Solution, Status};
 
 use crate::array::{
@@ -8,7 +10,7 @@ use crate::array::{
 };
 use crate::dataset::label;
 use crate::error::{IoError, invalid, mismatch};
-use crate::matrix::save_dense;
+use crate::matrix::{load_sparse, save_dense, save_sparse};
 use crate::persist::Persist;
 use crate::quadrature::{check_length, load_sized};
 use crate::text::{load_text, save_text};
@@ -89,7 +91,15 @@ impl Persist for Problem {
     const VERSION: u32 = 2;
 
     fn write(&self, at: &Group) -> Result<(), IoError> {
-        save_dense(at, "stiffness", self.stiffness.as_ref(), &label("stress", "S", &["unknown", "unknown"]))?;
+        let of_stiffness = label("stress", "S", &["unknown", "unknown"]);
+        match &self.stiffness {
+            Symmetric::Full(full) => save_dense(at, "stiffness", full.as_ref(), &of_stiffness)?,
+            Symmetric::Sparse(SparseSymmetric { pattern, entries, .. }) => {
+                let size = pattern.size();
+                let rows = CsMat::new((size, size), pattern.start.clone(), pattern.rows.clone(), entries.clone());
+                save_sparse(at, "stiffness", &rows, &of_stiffness)?;
+            }
+        }
         save_vector(at, "load", &self.load, &label("force/length", "f", &["unknown"]))?;
         save_nodes(at, &self.nodes, &[])
     }
@@ -97,12 +107,30 @@ impl Persist for Problem {
     fn read(at: &Group) -> Result<Self, IoError> {
         let load = load_vector(at, "load")?;
         let m = load.len();
-        let stiffness = load_sized(at, "stiffness", m, m)?;
+        let stiffness = match at.group("stiffness") {
+            Err(_) => load_sized(at, "stiffness", m, m)?.into(),
+            Ok(_) => sparse_stiffness(at, m)?,
+        };
         let nodes = load_nodes(at, &[])?;
         let problem = Self { stiffness, load, nodes };
         problem.check().map_err(|e| invalid(at, "", e))?;
         Ok(problem)
     }
+}
+
+/// The m×m stiffness of a group of sparse rows.
+fn sparse_stiffness(at: &Group, m: usize) -> Result<Symmetric, IoError> {
+    let rows = load_sparse(at, "stiffness")?;
+    if rows.shape() != (m, m) {
+        return Err(mismatch(at, "stiffness", format!("{m} by {m} entries"), format!("{:?}", rows.shape())));
+    }
+    let (start, rows, entries) = rows.into_raw_storage();
+    let pattern = Pattern { start, rows };
+    if let Some(i) = (0..m).find(|&i| pattern.place(i, i).is_none()) {
+        return Err(invalid(at, "stiffness", format!("row {i} has no entry on the diagonal")));
+    }
+    let sum = SparseSymmetric::new(pattern, entries);
+    Ok(Symmetric::Sparse(sum.map_err(|_| invalid(at, "stiffness", "its factor does not fit into memory"))?))
 }
 
 impl Persist for Solution {

@@ -91,7 +91,7 @@ fn tensor(problem: &Problem, basis: &CellBasis) -> StoredTensorProblem {
         nodes
     };
     StoredTensorProblem {
-        stiffness: problem.stiffness.clone(),
+        stiffness: problem.stiffness.full().into_owned(),
         mass: basis.mass(&|germ| 2.0 + 0.3 * germ[0]).unwrap(),
         weights: basis.weights.clone(),
         load: Mat::from_fn(problem.load.len(), count, |i, j| {
@@ -236,7 +236,7 @@ fn square_problem() -> Problem {
         coefficient: 0.0,
     };
     Problem {
-        stiffness: Mat::from_fn(4, 4, |i, j| if i == j { 4.0 } else { 1.0 / (1.0 + (i + j) as f64) }),
+        stiffness: Mat::from_fn(4, 4, |i, j| if i == j { 4.0 } else { 1.0 / (1.0 + (i + j) as f64) }).into(),
         load: vec![1.0, -2.0, 0.5, 0.0],
         nodes: [0.1, 0.2]
             .iter()

@@ -82,7 +82,7 @@ fn problem() -> Problem {
     };
     let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
     Problem {
-        stiffness: Mat::from_fn(4, 4, |i, j| if i == j { 4.0 } else { 1.0 / (1.0 + (i + j) as f64) }),
+        stiffness: Mat::from_fn(4, 4, |i, j| if i == j { 4.0 } else { 1.0 / (1.0 + (i + j) as f64) }).into(),
         load: vec![1.0, -2.0, 0.5, 0.0],
         nodes: vec![
             ContactNode { first: 2, unknowns: 2, conditions: vec![condition(x, y, f64::INFINITY)] },

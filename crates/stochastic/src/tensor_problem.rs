@@ -205,7 +205,7 @@ impl TensorProblem<'_> {
                 == (b.first, b.unknowns, b.direction, b.weight, b.coefficient)
         };
         let first = multiplier_rows(&self.nodes[0]);
-        let mut single = Problem { stiffness: self.stiffness.clone(), load: vec![], nodes: vec![] };
+        let mut single = Problem { stiffness: self.stiffness.clone().into(), load: vec![], nodes: vec![] };
         for (j, nodes) in self.nodes.iter().enumerate() {
             single.load = self.load.col_as_slice(j).to_vec();
             single.nodes.clone_from(nodes);

@@ -10,7 +10,7 @@ use steklov_stochastic::{
 };
 
 fn problem(square: &Square) -> Problem {
-    Problem { stiffness: square.stiffness.clone(), load: square.load.clone(), nodes: square.nodes(2e-4, 0.35) }
+    Problem { stiffness: square.stiffness.clone().into(), load: square.load.clone(), nodes: square.nodes(2e-4, 0.35) }
 }
 
 fn solve(square: &Square, modulus: f64, warm: &mut Option<Solution>) -> Result<Solution, ContactError> {

@@ -9,7 +9,7 @@ const BOUND: f64 = 0.35;
 
 fn solve(square: &Square, modulus: f64, gap: f64, bound: f64) -> Solution {
     let nodes = square.nodes(gap, bound);
-    let problem = Problem { stiffness: square.stiffness.clone(), load: square.load.clone(), nodes };
+    let problem = Problem { stiffness: square.stiffness.clone().into(), load: square.load.clone(), nodes };
     let solution = solve_outcome(problem, modulus, &mut None).unwrap();
     assert!(solution.converged());
     solution

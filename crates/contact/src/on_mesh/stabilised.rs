@@ -325,7 +325,7 @@ impl StabilisedForms {
         let data = node_data(mesh, multipliers, sides)?;
         let gaps = data.iter().map(|d| d.gap).collect();
         let nodes = contact_nodes(data, &offset, &weight);
-        let problem = Problem { stiffness, load: column_of(&condensed), nodes };
+        let problem = Problem { stiffness: stiffness.into(), load: column_of(&condensed), nodes };
         Ok(Stabilised { problem, gamma, gaps, free, factor, coupling, load, held })
     }
 

@@ -8,17 +8,14 @@
 //! with one pair (s, z) for each finite bound of λ: s is how far y lies above (σ = 1) or below (σ = -1) the line, z how far
 //! λ is from the bound of that side.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::cholesky::llt::solve::solve_in_place;
-use faer::{ColMut, Mat, Par};
-
+use steklov_algebra::Symmetric;
 use steklov_elastic::plane::{dot, norm};
 
 use crate::Problem;
 use crate::solvers::free::Free;
 use crate::solvers::law::{Branch, Kink, Law, Piece};
-use crate::solvers::linear::{largest, product};
+use crate::solvers::linear::largest;
+use crate::solvers::newton_matrix::NewtonMatrix;
 
 /// Added to the diagonal of the Newton matrix, relative to its largest entry in S: without it a motion that neither
 /// stiffness nor barrier holds would have no step. More of it where that does not make the matrix definite.
@@ -102,16 +99,14 @@ struct Direction {
 /// A problem as lines and pairs.
 pub(crate) struct Barrier {
     free: Free,
-    stiffness: Mat<f64>,
+    stiffness: Symmetric,
     load: Vec<f64>,
     lines: Vec<Line>,
     /// Largest diagonal entry of the stiffness.
     largest: f64,
     /// Size of the slacks and of the forces z.
     scale: (f64, f64),
-    /// Lower triangle of the Newton matrix, then of its factor.
-    matrix: Mat<f64>,
-    memory: MemBuffer,
+    newton: NewtonMatrix,
 }
 
 impl Barrier {
@@ -120,15 +115,13 @@ impl Barrier {
     pub fn new(problem: &Problem, laws: &[Law]) -> (Self, Option<Point>) {
         let hard: Vec<Piece> = laws.iter().map(hard_lines).collect();
         let free = Free::new(problem, laws, &hard);
-        let elastic = product(&problem.stiffness, &free.fixed);
+        let elastic = problem.stiffness.times(&free.fixed);
         let rest: Vec<f64> = problem.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();
         let (stiffness, load) = (free.stiffness(&problem.stiffness), free.project(&rest));
-        let size = load.len();
         let largest = largest((0..problem.load.len()).map(|i| problem.stiffness[(i, i)]));
         let lines = lines(problem, laws, &free, &stiffness, largest);
-        let memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(size, Par::Seq, Default::default()));
-        let mut barrier =
-            Self { free, matrix: Mat::zeros(size, size), stiffness, load, lines, largest, scale: (0.0, 0.0), memory };
+        let newton = NewtonMatrix::new(&stiffness);
+        let mut barrier = Self { free, newton, stiffness, load, lines, largest, scale: (0.0, 0.0) };
         let start = barrier.start(laws);
         (barrier, start)
     }
@@ -144,7 +137,7 @@ impl Barrier {
         if self.lines.is_empty() || !self.factorise(&vec![1.0 / spring; self.lines.len()]) {
             return None;
         }
-        self.solve(&mut y);
+        self.newton.solve(&mut y);
         let length = largest(self.lines.iter().map(|l| l.along(&y) - target(l)));
         if length == 0.0 || !length.is_finite() {
             return None;
@@ -178,7 +171,7 @@ impl Barrier {
 
     /// The residuals of `point` in the equations.
     pub fn residual(&self, point: &Point) -> Residual {
-        let elastic = product(&self.stiffness, &point.y);
+        let elastic = self.stiffness.times(&point.y);
         let mut force: Vec<f64> = self.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();
         let mut length: Vec<f64> = self.lines.iter().map(|l| l.along(&point.y) - l.at).collect();
         point.pairs.iter().for_each(|p| length[p.line] -= p.sign * p.slack);
@@ -260,7 +253,7 @@ impl Barrier {
         for (k, line) in self.lines.iter().enumerate() {
             line.add(-line.weight * ahead[k] / theta[k], &mut y);
         }
-        self.solve(&mut y);
+        self.newton.solve(&mut y);
         let lines = self.lines.iter().zip(ahead).zip(theta);
         let stress: Vec<f64> = lines.map(|((l, ahead), theta)| (l.along(&y) + ahead) / theta).collect();
         let pairs = point.pairs.iter();
@@ -272,27 +265,20 @@ impl Barrier {
     /// Cholesky factor of S + Σ (D/θ) d dᵀ, with a little more on the diagonal; whether there is one.
     fn factorise(&mut self, theta: &[f64]) -> bool {
         PROXIMAL.iter().any(|proximal| {
-            self.matrix.copy_from(&self.stiffness);
+            self.newton.reset(&self.stiffness);
             for i in 0..self.load.len() {
-                self.matrix[(i, i)] += proximal * self.largest;
+                self.newton.add(i, i, proximal * self.largest);
             }
             for (line, theta) in self.lines.iter().zip(theta) {
                 for i in 0..line.unknowns {
                     for j in 0..=i {
-                        self.matrix[(line.first + i, line.first + j)] +=
-                            line.weight / theta * line.direction[i] * line.direction[j];
+                        let value = line.weight / theta * line.direction[i] * line.direction[j];
+                        self.newton.add(line.first + i, line.first + j, value);
                     }
                 }
             }
-            let stack = MemStack::new(&mut self.memory);
-            let plain = LltRegularization::default();
-            cholesky_in_place(self.matrix.as_mut(), plain, Par::Seq, stack, Default::default()).is_ok()
+            self.newton.factorise()
         })
-    }
-
-    fn solve(&self, x: &mut [f64]) {
-        let stack = &mut MemBuffer::new(faer::dyn_stack::StackReq::EMPTY);
-        solve_in_place(self.matrix.as_ref(), ColMut::from_slice_mut(x).as_mat_mut(), Par::Seq, MemStack::new(stack));
     }
 
     /// v.
@@ -330,7 +316,7 @@ impl Barrier {
 }
 
 /// All lines: the kinks except those of infinite friction and those to which these leave no direction.
-fn lines(problem: &Problem, laws: &[Law], free: &Free, stiffness: &Mat<f64>, largest: f64) -> Vec<Line> {
+fn lines(problem: &Problem, laws: &[Law], free: &Free, stiffness: &Symmetric, largest: f64) -> Vec<Line> {
     let mut lines = Vec::new();
     let mut first = 0;
     for (n, (node, law)) in problem.nodes.iter().zip(laws).enumerate() {

@@ -8,7 +8,7 @@ use steklov_elastic::plane::{cross, dot, minus, turned, unit};
 
 use crate::solvers::free::{Direction, Free, form, project};
 use crate::solvers::law::{Branch, Law, Piece};
-use crate::solvers::linear::{largest, product, solve_general};
+use crate::solvers::linear::{largest, solve_general};
 use crate::solvers::multipliers::{node_multipliers, touching_distance};
 use crate::solvers::pieces::Linear;
 use crate::{ContactError, ContactNode, Problem};
@@ -57,7 +57,7 @@ pub(crate) fn solve_coupled(
         }
     }
     let rest = |v: &[f64]| -> Vec<f64> {
-        let elastic = product(s, v);
+        let elastic = s.times(v);
         (0..known.len()).map(|i| problem.load[i] - elastic[i] - known[i]).collect()
     };
     // the unknowns are the distances from `near`, so that a free motion stays as it is there

@@ -1,7 +1,7 @@
 //! Coulomb's law as a fixed point of Tresca problems.
 
 use crate::solvers::law::{Law, Piece};
-use crate::solvers::linear::{largest, product};
+use crate::solvers::linear::largest;
 use crate::solvers::pieces::{Linear, laws, nearest_pieces};
 use crate::solvers::settle::{ACCEPTED, Settled, iterate, settle, solution};
 use crate::{ContactError, Outcome, Problem, Solution, Start, interior_point};
@@ -135,7 +135,7 @@ pub(crate) fn settled(
 
 /// R = f - S v.
 pub(crate) fn body_force(problem: &Problem, v: &[f64]) -> Vec<f64> {
-    problem.load.iter().zip(product(&problem.stiffness, v)).map(|(f, s)| f - s).collect()
+    problem.load.iter().zip(problem.stiffness.times(v)).map(|(f, s)| f - s).collect()
 }
 
 /// The pressures that give the next bounds, as multipliers, and those of the last problem with a solution.

@@ -1,6 +1,7 @@
 //! The displacements that given pieces leave free: v = fixed + E x, with orthonormal directions node by node.
 
 use faer::Mat;
+use steklov_algebra::{Pattern, SparseSymmetric, Symmetric};
 
 use crate::Problem;
 use crate::solvers::law::{Law, Piece};
@@ -42,8 +43,11 @@ impl Free {
     }
 
     /// Eᵀ S E.
-    pub fn stiffness(&self, s: &Mat<f64>) -> Mat<f64> {
-        form(s, &self.directions, &self.directions)
+    pub fn stiffness(&self, s: &Symmetric) -> Symmetric {
+        match s {
+            Symmetric::Full(_) => form(s, &self.directions, &self.directions).into(),
+            Symmetric::Sparse(sparse) => Symmetric::Sparse(restricted(sparse, &self.directions)),
+        }
     }
 }
 
@@ -53,17 +57,52 @@ pub(crate) fn project(columns: &[Direction], y: &[f64]) -> Vec<f64> {
     columns.iter().map(along).collect()
 }
 
-/// Eᵀ S D of the columns E (tests) and D (trials).
-pub(crate) fn form(s: &Mat<f64>, tests: &[Direction], trials: &[Direction]) -> Mat<f64> {
+/// Eᵀ S D of the columns E (tests) and D (trials), full storage.
+pub(crate) fn form(s: &Symmetric, tests: &[Direction], trials: &[Direction]) -> Mat<f64> {
     let mut matrix = Mat::zeros(tests.len(), trials.len());
+    let mut scattered = vec![0.0; s.size()];
     for (b, &(j, kj, d)) in trials.iter().enumerate() {
         for (q, &d) in d[..kj].iter().enumerate().filter(|(_, d)| **d != 0.0) {
-            let column = s.col_as_slice(j + q);
+            let column = s.full_column(j + q, &mut scattered);
             let entries = matrix.col_as_slice_mut(b).iter_mut().zip(tests);
             entries.for_each(|(entry, &(i, ki, e))| *entry += (0..ki).map(|p| e[p] * column[i + p]).sum::<f64>() * d);
         }
     }
     matrix
+}
+
+/// Eᵀ S E of the columns E; its entries are those of S between nodes that E leaves free.
+fn restricted(s: &SparseSymmetric, directions: &[Direction]) -> SparseSymmetric {
+    let mut along: Vec<Vec<(usize, f64)>> = vec![Vec::new(); s.pattern.size()];
+    for (a, &(first, k, e)) in directions.iter().enumerate() {
+        (0..k).for_each(|i| along[first + i].push((a, e[i])));
+    }
+    let (mut start, mut rows, mut entries) = (vec![0], Vec::new(), Vec::new());
+    let (mut sum, mut is_there) = (vec![0.0; directions.len()], vec![false; directions.len()]);
+    for (b, &(first, k, d)) in directions.iter().enumerate() {
+        let begin = rows.len();
+        for (j, d) in (first..first + k).zip(d) {
+            let (of_column, values) = s.column(j);
+            for (&i, value) in of_column.iter().zip(values) {
+                for &(a, e) in &along[i] {
+                    sum[a] += e * value * d;
+                    if !std::mem::replace(&mut is_there[a], true) {
+                        rows.push(a);
+                    }
+                }
+            }
+        }
+        debug_assert!(is_there[b], "a block has its diagonal");
+        rows[begin..].sort_unstable();
+        for &a in &rows[begin..] {
+            entries.push(std::mem::take(&mut sum[a]));
+            is_there[a] = false;
+        }
+        start.push(rows.len());
+    }
+    let order = s.order.iter().flat_map(|&i| along[i].iter().map(|&(a, _)| a));
+    let order = order.filter(|&a| !std::mem::replace(&mut is_there[a], true)).collect();
+    SparseSymmetric { pattern: Pattern { start, rows }, entries, order }
 }
 
 /// The forces of all kinks that are off their lines, m entries.

@@ -2,7 +2,7 @@
 
 use crate::solvers::free::{Free, off_forces};
 use crate::solvers::law::{Branch, Law, Piece};
-use crate::solvers::linear::{Semidefinite, product};
+use crate::solvers::linear::Semidefinite;
 use crate::solvers::pieces::{laws, nearest_pieces};
 use crate::{ContactError, Problem, Solution, Start};
 
@@ -107,13 +107,13 @@ impl<'a> Frozen<'a> {
         let free = Free::new(problem, &sets.laws, &sets.pieces);
         let known = off_forces(problem, &sets.laws, &sets.pieces);
         let stiffness = free.stiffness(&problem.stiffness);
-        let factor = if stiffness.nrows() == 0 { None } else { Some(Semidefinite::new(&stiffness)?) };
+        let factor = if stiffness.size() == 0 { None } else { Some(Semidefinite::new(&stiffness)?) };
         Ok(Self { problem, free, known, factor })
     }
 
     /// The displacement under the problem's load.
     pub fn displacement(&self) -> Vec<f64> {
-        let elastic = product(&self.problem.stiffness, &self.free.fixed);
+        let elastic = self.problem.stiffness.times(&self.free.fixed);
         let rest: Vec<f64> = (0..elastic.len()).map(|i| self.problem.load[i] - elastic[i] - self.known[i]).collect();
         self.correction(&rest).iter().zip(&self.free.fixed).map(|(a, b)| a + b).collect()
     }

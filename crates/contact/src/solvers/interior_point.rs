@@ -5,7 +5,7 @@ use steklov_elastic::plane::{dot, norm};
 use crate::solvers::barrier::Barrier;
 use crate::solvers::fixed_point::coulomb;
 use crate::solvers::law::{Branch, Law, Piece};
-use crate::solvers::linear::{largest, product};
+use crate::solvers::linear::largest;
 use crate::solvers::pieces::{Linear, laws, nearest_pieces};
 use crate::solvers::settle::{ACCEPTED, Settled, iterate, settle, solution};
 use crate::{ContactError, Outcome, Problem, Solution};
@@ -111,7 +111,7 @@ fn polished(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &[f64], histor
 
 /// The piece of each node for the branches of its kinks; more kinks may be on than a piece has.
 fn pieces_of(problem: &Problem, laws: &[Law], branches: &[Piece], v: &[f64]) -> Vec<Piece> {
-    let elastic = product(&problem.stiffness, v);
+    let elastic = problem.stiffness.times(v);
     let force: Vec<f64> = problem.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();
     let nodes = problem.nodes.iter().zip(laws).zip(branches);
     nodes
@@ -145,7 +145,7 @@ fn unresisted(problem: &Problem, laws: &[Law], motion: &[f64]) -> Option<Contact
     }
     let motion: Vec<f64> = motion.iter().map(|v| v / size).collect();
     let stiffest = (0..motion.len()).fold(0.0f64, |m, i| m.max(problem.stiffness[(i, i)]));
-    let energy: f64 = product(&problem.stiffness, &motion).iter().zip(&motion).map(|(s, v)| s * v).sum();
+    let energy: f64 = problem.stiffness.times(&motion).iter().zip(&motion).map(|(s, v)| s * v).sum();
     let (mut resistance, mut stopped) = (0.0, false);
     for (node, law) in problem.nodes.iter().zip(laws) {
         for kink in &law.kinks {

@@ -1,6 +1,6 @@
 //! The judge: how well a displacement and multipliers obey all conditions, whatever computed them.
 
-use crate::solvers::linear::{largest, product};
+use crate::solvers::linear::largest;
 use crate::{Condition, ContactNode, Problem, Solution};
 
 /// Relative violation of each condition of a contact problem; all 0 for an exact solution. A scale of 0 gives 0.
@@ -46,7 +46,7 @@ pub fn kkt_in_body(problem: &Problem, solution: &Solution, body_displacement: f6
     let conditions = || problem.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c)));
     assert_eq!(v.len(), problem.load.len(), "one displacement for each unknown");
     assert_eq!(conditions().count(), solution.multipliers.len(), "one pair of multipliers for each condition");
-    let elastic = product(&problem.stiffness, v);
+    let elastic = problem.stiffness.times(v);
     let mut residual: Vec<f64> = elastic.iter().zip(&problem.load).map(|(s, f)| s - f).collect();
     for ((node, c), &[normal, shear]) in conditions().zip(&solution.multipliers) {
         for i in 0..node.unknowns {

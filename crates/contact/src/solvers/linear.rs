@@ -1,7 +1,10 @@
-//! Dense linear systems that may be singular.
+//! Linear systems that may be singular.
 
-use faer::{ColMut, Mat};
-use steklov_algebra::{Cholesky, Lu, NoFactor, check_solution, check_spectrum, llt, spoil, svd, symmetric_eigen};
+use faer::{ColMut, Mat, Par};
+use steklov_algebra::{
+    Cholesky, Lu, NoFactor, NoSparseFactor, Sparse, SparseCholesky, SparseSymmetric, Structure, Symmetric,
+    check_solution, check_spectrum, llt, spoil, svd, symmetric_eigen,
+};
 
 use crate::ContactError;
 
@@ -15,12 +18,24 @@ const CUTOFF: f64 = 1e-13;
 pub(crate) enum Semidefinite {
     /// Regular: its Cholesky factor.
     Regular(Cholesky),
+    /// The same of a sparse matrix.
+    Sparse(SparseCholesky),
     /// Numerically singular: its spectrum, the negligible part zero.
     Singular { vectors: Mat<f64>, inverse: Vec<f64> },
 }
 
 impl Semidefinite {
-    pub(crate) fn new(k: &Mat<f64>) -> Result<Self, ContactError> {
+    pub(crate) fn new(k: &Symmetric) -> Result<Self, ContactError> {
+        match k {
+            Symmetric::Full(full) => Self::of_full(full),
+            Symmetric::Sparse(sparse) => match sparse_factor(sparse)? {
+                Some(factor) => Ok(Self::Sparse(factor)),
+                None => Self::of_full(&k.full()),
+            },
+        }
+    }
+
+    fn of_full(k: &Mat<f64>) -> Result<Self, ContactError> {
         let n = k.nrows();
         match llt(k) {
             Ok(factor) if (0..n).all(|i| factor.lower()[(i, i)].powi(2) > PIVOT * k[(i, i)]) => {
@@ -42,6 +57,11 @@ impl Semidefinite {
     pub(crate) fn solve(&self, b: &[f64], near: &[f64]) -> Vec<f64> {
         match self {
             Self::Regular(factor) => column(&factor.solve(to_matrix(b).as_ref())),
+            Self::Sparse(factor) => {
+                let mut x = b.to_vec();
+                factor.solve(ColMut::from_slice_mut(&mut x).as_mat_mut(), Par::Seq);
+                x
+            }
             Self::Singular { vectors, inverse } => {
                 let (mut coefficients, kept) =
                     (vectors.transpose() * to_matrix(b), vectors.transpose() * to_matrix(near));
@@ -54,16 +74,40 @@ impl Semidefinite {
     }
 }
 
+/// The Cholesky factor of a sparse matrix that is well away from singular.
+fn sparse_factor(k: &SparseSymmetric) -> Result<Option<SparseCholesky>, ContactError> {
+    let (pattern, entries) = k.lower();
+    let size = pattern.size();
+    let factor = Structure::new(pattern, &k.order).and_then(|structure| {
+        let diagonal: Vec<f64> = structure.pattern.start[..size].iter().map(|&first| entries[first]).collect();
+        Ok((structure.factorise_checked(&entries, Par::Seq)?, diagonal))
+    });
+    match factor {
+        Ok((factor, diagonal)) => {
+            let regular = factor.diagonal().iter().zip(diagonal).all(|(l, k)| l.powi(2) > PIVOT * k);
+            Ok(regular.then_some(factor))
+        }
+        Err(NoSparseFactor::Pivot(_)) => Ok(None),
+        Err(NoSparseFactor::Memory) => Err(ContactError::Decomposition { size }),
+        Err(NoSparseFactor::Fault(fault)) => Err(fault.into()),
+    }
+}
+
 /// Solves K x = b with K symmetric and positive semi-definite, as [`Semidefinite`].
-pub(crate) fn solve_semidefinite(k: &Mat<f64>, b: &[f64], near: &[f64]) -> Result<Vec<f64>, ContactError> {
+pub(crate) fn solve_semidefinite(k: &Symmetric, b: &[f64], near: &[f64]) -> Result<Vec<f64>, ContactError> {
     if b.is_empty() {
         return Ok(Vec::new());
     }
     let factor = Semidefinite::new(k)?;
     let mut x = factor.solve(b, near);
     spoil(ColMut::from_slice_mut(&mut x).as_mat_mut(), false);
-    if let Semidefinite::Regular(_) = factor {
-        check_solution(k.as_ref(), &x, b)?;
+    match (k, factor) {
+        (_, Semidefinite::Singular { .. }) => {}
+        (Symmetric::Full(k), _) => check_solution(k.as_ref(), &x, b)?,
+        (Symmetric::Sparse(k), _) => {
+            let (pattern, entries) = k.lower();
+            Sparse { start: &pattern.start, rows: &pattern.rows, entries: &entries }.check(&x, b)?;
+        }
     }
     Ok(x)
 }
@@ -121,17 +165,18 @@ mod tests {
     fn a_singular_matrix_gives_the_nearest_solution() {
         // K = [1 -1; -1 1]: K x = (1, -1) has the solutions (s, s - 1); the nearest to the origin is (1/2, -1/2)
         let k = Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { -1.0 });
+        let solve = |b: &[f64], near: &[f64]| solve_semidefinite(&k.clone().into(), b, near).unwrap();
         let zero = [0.0; 2];
         // and the nearest to (5, 2) is (4, 3), (2, 0) having the part (1, -1) in the range
         for b in [[1.0, -1.0], [2.0, 0.0]] {
-            let x = solve_semidefinite(&k, &b, &[5.0, 2.0]).unwrap();
+            let x = solve(&b, &[5.0, 2.0]);
             assert!((x[0] - 4.0).abs() < 1e-14 && (x[1] - 3.0).abs() < 1e-14, "{x:?}");
         }
-        for x in [solve_semidefinite(&k, &[1.0, -1.0], &zero).unwrap(), solve_general(&k, &[1.0, -1.0]).unwrap()] {
+        for x in [solve(&[1.0, -1.0], &zero), solve_general(&k, &[1.0, -1.0]).unwrap()] {
             assert!((x[0] - 0.5).abs() < 1e-15 && (x[1] + 0.5).abs() < 1e-15, "{x:?}");
         }
         // a part outside the range is left alone, never divided by roundoff
-        for x in [solve_semidefinite(&k, &[2.0, 0.0], &zero).unwrap(), solve_general(&k, &[2.0, 0.0]).unwrap()] {
+        for x in [solve(&[2.0, 0.0], &zero), solve_general(&k, &[2.0, 0.0]).unwrap()] {
             assert!((x[0] - 0.5).abs() < 1e-15 && (x[1] + 0.5).abs() < 1e-15, "{x:?}");
         }
     }
@@ -141,7 +186,7 @@ mod tests {
         let k = Mat::from_fn(3, 3, |i, j| if i == j { 2.0 } else { 1.0 / (1.0 + (i + j) as f64) });
         let x = [1.0, -2.0, 3.0];
         let b = product(&k, &x);
-        for y in [solve_semidefinite(&k, &b, &[7.0; 3]).unwrap(), solve_general(&k, &b).unwrap()] {
+        for y in [solve_semidefinite(&k.clone().into(), &b, &[7.0; 3]).unwrap(), solve_general(&k, &b).unwrap()] {
             assert!(largest((0..3).map(|i| x[i] - y[i])) < 1e-14);
         }
     }

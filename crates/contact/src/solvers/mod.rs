@@ -14,6 +14,7 @@ pub(crate) mod linear;
 pub(crate) mod motions;
 pub(crate) mod multipliers;
 pub(crate) mod newton;
+pub(crate) mod newton_matrix;
 pub(crate) mod pieces;
 pub(crate) mod problem;
 pub(crate) mod rows;

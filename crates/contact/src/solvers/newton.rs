@@ -6,7 +6,7 @@ use steklov_elastic::plane::dot;
 
 use crate::solvers::active_set::active_set;
 use crate::solvers::law::{Branch, Law, Piece};
-use crate::solvers::linear::{largest, product, solve_general};
+use crate::solvers::linear::{largest, solve_general};
 use crate::solvers::pieces::{Linear, laws, nearest_pieces};
 use crate::solvers::settle::{iterate, solution, solve_pieces, violations};
 use crate::{ContactError, ContactNode, Outcome, Problem, Solution, Start};
@@ -134,7 +134,7 @@ struct Equations<'a> {
 
 /// Σ (|f| + |S v|) / Σ D, a mean stress; 1 without forces. That of f - S v would be rounding where nothing touches.
 fn unit(problem: &Problem, v: &[f64]) -> f64 {
-    let elastic = product(&problem.stiffness, v);
+    let elastic = problem.stiffness.times(v);
     let force: f64 = problem.load.iter().zip(elastic).map(|(f, s)| f.abs() + s.abs()).sum();
     let mean = force / problem.nodes.iter().map(weight).sum::<f64>();
     if mean > 0.0 { mean } else { 1.0 }
@@ -225,7 +225,7 @@ impl Equations<'_> {
     }
 
     fn at(&self, v: &[f64]) -> State {
-        let elastic = product(&self.problem.stiffness, v);
+        let elastic = self.problem.stiffness.times(v);
         let force: Vec<f64> = self.problem.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();
         let (mut residual, mut weights, mut scale) = (vec![0.0; v.len()], vec![0.0; v.len()], 0.0f64);
         for (node, law) in self.problem.nodes.iter().zip(&self.laws_at(v, &force)) {
@@ -247,7 +247,7 @@ impl Equations<'_> {
 
     /// Derivative of the residual by v, m×m, not symmetric.
     fn jacobian(&self, v: &[f64], force: &[f64]) -> Mat<f64> {
-        let (m, s) = (v.len(), &self.problem.stiffness);
+        let (m, s) = (v.len(), self.problem.stiffness.full());
         let mut jacobian = Mat::zeros(m, m);
         for (node, law) in self.problem.nodes.iter().zip(&self.laws_at(v, force)) {
             let (w, r, c, d) = (node.pick(v), node.pick(force), law.metric, weight(node));

@@ -1,12 +1,10 @@
 //! The condensed problem that the solvers see, and their answer.
 
-use faer::Mat;
-
+use steklov_algebra::Symmetric;
 use steklov_elastic::plane::{cross, dot, norm};
 
 use crate::ContactError;
 use crate::solvers::law::Law;
-use crate::solvers::linear::product;
 
 /// One side's contact conditions at a node, in the node's own unknowns v:
 ///
@@ -43,14 +41,15 @@ pub struct Condition {
 ///
 /// An ordinary node has the unknowns (u_n, u_t) and one condition with `normal = [1, 0]`, `tangent = [0, 1]`. A corner inside
 /// the contact boundary has the unknowns (u_x, u_y) and two conditions. A node with one held component has one unknown; the
-/// second entry of `normal` and `tangent` is then 0.
+/// second entry of `normal` and `tangent` is then 0. A node without conditions is one at which the body is free: its unknowns are
+/// kept because that leaves S sparse.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactNode {
     /// Index of the node's first unknown.
     pub first: usize,
     /// Number of its unknowns, 1 or 2.
     pub unknowns: usize,
-    /// One condition for each contact side that meets here, 1 or 2.
+    /// One condition for each contact side that meets here, 1 or 2; none where nothing is touched.
     pub conditions: Vec<Condition>,
 }
 
@@ -62,8 +61,8 @@ pub struct ContactNode {
 /// per thickness), and the unknowns of the nodes are disjoint and fill 0..m.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    /// Condensed stiffness S, full storage, m×m.
-    pub stiffness: Mat<f64>,
+    /// Condensed stiffness S, m×m: in full storage, or a sum of blocks where subdomains share few unknowns.
+    pub stiffness: Symmetric,
     /// Condensed load f.
     pub load: Vec<f64>,
     /// The contact nodes, in the order along the sides.
@@ -160,7 +159,7 @@ impl Problem {
     /// ½ vᵀ S v - fᵀ v + Σ D_t F |u_t| with the bounds F of the multipliers (force per thickness times length); of v alone,
     /// it is least at the solution.
     pub fn energy(&self, v: &[f64], multipliers: &[[f64; 2]]) -> f64 {
-        let elastic = product(&self.stiffness, v);
+        let elastic = self.stiffness.times(v);
         let work: f64 = v.iter().zip(elastic).zip(&self.load).map(|((v, s), f)| v * (0.5 * s - f)).sum();
         work + self.friction_work(v, multipliers)
     }
@@ -185,17 +184,20 @@ impl Problem {
     pub fn check(&self) -> Result<(), ContactError> {
         let refuse = |what: String| Err(ContactError::Inconsistent { what });
         let (m, s) = (self.load.len(), &self.stiffness);
-        if s.nrows() != m || s.ncols() != m {
-            return refuse(format!("the stiffness is {}×{} but the load has {m} entries", s.nrows(), s.ncols()));
+        let columns = if let Symmetric::Full(full) = s { full.ncols() } else { s.size() };
+        if s.size() != m || columns != m {
+            return refuse(format!("the stiffness is {}×{columns} but the load has {m} entries", s.size()));
         }
         for i in 0..m {
             if !self.load[i].is_finite() {
                 return refuse(format!("load {i} is {}", self.load[i]));
             }
-            for j in 0..m {
-                if !s[(i, j)].is_finite() {
-                    return refuse(format!("the stiffness ({i}, {j}) is {}", s[(i, j)]));
-                }
+        }
+        let mut wrong = None;
+        for j in 0..m {
+            s.each_of_column(j, |i, entry| wrong = wrong.or((!entry.is_finite()).then_some((i, entry))));
+            if let Some((i, entry)) = wrong {
+                return refuse(format!("the stiffness ({i}, {j}) is {entry}"));
             }
         }
         let scale = (0..m).fold(0.0f64, |a, i| a.max(s[(i, i)]));
@@ -205,24 +207,26 @@ impl Problem {
                 "the stiffness has the diagonal entry {entry} in row {i}, of a largest one of {scale}"
             ));
         }
-        for i in 0..m {
-            for j in 0..i {
-                let difference = (s[(i, j)] - s[(j, i)]).abs();
-                if difference > 1e-9 * scale {
-                    return refuse(format!(
-                        "the stiffness is not symmetric: ({i}, {j}) differs from ({j}, {i}) by {difference:.3e}"
-                    ));
-                }
+        let mut wrong = None;
+        for j in 0..m {
+            s.each_of_column(j, |i, entry| {
+                let difference = (entry - s[(j, i)]).abs();
+                wrong = wrong.or((difference > 1e-9 * scale).then_some((i, difference)));
+            });
+            if let Some((i, difference)) = wrong {
+                return refuse(format!(
+                    "the stiffness is not symmetric: ({i}, {j}) differs from ({j}, {i}) by {difference:.3e}"
+                ));
             }
         }
         let mut used = vec![false; m];
         for (number, node) in self.nodes.iter().enumerate() {
-            let allowed = if node.unknowns == 2 { 1..=2 } else { 1..=1 };
+            let allowed = if node.unknowns == 2 { 0..=2 } else { 0..=1 };
             if !(1..=2).contains(&node.unknowns) || !allowed.contains(&node.conditions.len()) {
                 let (k, c) = (node.unknowns, node.conditions.len());
                 return refuse(format!(
                     "contact node {number} has {k} unknowns and {c} conditions; \
-                     it may have 1 and 1, 2 and 1, or 2 and 2"
+                     it may have 1 and 0 or 1, or 2 and 0 to 2"
                 ));
             }
             for i in node.first..node.first + node.unknowns {

@@ -8,7 +8,7 @@ use crate::solvers::coupled::{renewed_laws, solve_coupled};
 use crate::solvers::free::{Free, off_forces};
 use crate::solvers::kkt::friction;
 use crate::solvers::law::{Branch, Law, Piece};
-use crate::solvers::linear::{largest, product, solve_semidefinite};
+use crate::solvers::linear::{largest, solve_semidefinite};
 use crate::solvers::multipliers::{multipliers, status};
 use crate::solvers::pieces::{Linear, nearest_pieces};
 use crate::{ContactError, ContactNode, Outcome, Problem, Solution};
@@ -41,11 +41,11 @@ pub(crate) fn solve_pieces(
     let s = &problem.stiffness;
     let free = Free::new(problem, laws, pieces);
     let known = off_forces(problem, laws, pieces);
-    let elastic = product(s, &free.fixed);
+    let elastic = s.times(&free.fixed);
     let rest: Vec<f64> = (0..known.len()).map(|i| problem.load[i] - elastic[i] - known[i]).collect();
     let moved = free.expand(&solve_semidefinite(&free.stiffness(s), &free.project(&rest), &free.project(near))?);
     let displacement: Vec<f64> = free.fixed.iter().zip(moved).map(|(a, b)| a + b).collect();
-    let elastic = product(s, &displacement);
+    let elastic = s.times(&displacement);
     let force: Vec<f64> = problem.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();
     let excess: Vec<f64> = force.iter().zip(&known).map(|(r, k)| r - k).collect();
     Ok(Linear { displacement, unbalanced: free.expand(&free.project(&excess)), force })
@@ -77,8 +77,11 @@ pub(crate) fn violations(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &
 
 /// Rounding errors of S v in the given rows.
 fn noise(problem: &Problem, rows: Range<usize>, v: &[f64]) -> f64 {
-    let columns = rows.map(|i| problem.stiffness.col_as_slice(i)); // S = Sᵀ
-    let terms = columns.map(|s| s.iter().zip(v).map(|(s, v)| (s * v).abs()).sum::<f64>());
+    let terms = rows.map(|i| {
+        let mut sum = 0.0;
+        problem.stiffness.each_of_column(i, |j, s| sum += (s * v[j]).abs()); // S = Sᵀ
+        sum
+    });
     1e-15 * terms.fold(0.0f64, f64::max)
 }
 
@@ -115,7 +118,7 @@ fn regularised(problem: &Problem, centre: &[f64], epsilon: f64) -> Problem {
     let mut regular = problem.clone();
     for (i, v) in centre.iter().enumerate() {
         let c = epsilon * problem.stiffness[(i, i)];
-        regular.stiffness[(i, i)] += c;
+        regular.stiffness.add_to_diagonal(i, c);
         regular.load[i] += c * v;
     }
     regular

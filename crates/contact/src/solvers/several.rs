@@ -18,7 +18,7 @@ use steklov_elastic::plane::dot;
 use crate::solvers::fixed_point::{body_force, settled};
 use crate::solvers::frozen::{Frozen, Sets};
 use crate::solvers::law::{Branch, Law, Piece};
-use crate::solvers::linear::{largest, product};
+use crate::solvers::linear::largest;
 use crate::solvers::pieces::{laws, nearest_pieces};
 use crate::{ContactError, Problem, Solution};
 
@@ -63,7 +63,7 @@ pub fn contraction(problem: &Problem, answer: &Solution) -> Result<Contraction, 
         let (node, c) = conditions[i];
         let mut load = vec![0.0; problem.load.len()];
         (0..node.unknowns).for_each(|j| load[node.first + j] -= friction * c.tangent[j]);
-        let elastic = product(&problem.stiffness, &frozen.correction(&load));
+        let elastic = problem.stiffness.times(&frozen.correction(&load));
         for (row, &(i, _)) in sliding.iter().enumerate() {
             let (node, c) = conditions[i];
             let force = node.pick(&elastic);

@@ -108,14 +108,14 @@ pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> 
 fn coercive_inverse(problem: &Problem) -> Result<Mat<f64>, ContactError> {
     let size = problem.load.len();
     let failed = |_| ContactError::Decomposition { size };
-    let s = symmetric_eigenvalues(problem.stiffness.as_ref()).map_err(failed)?;
+    let stiffness = problem.stiffness.full();
+    let s = symmetric_eigenvalues((*stiffness).as_ref()).map_err(failed)?;
     let smallest = s.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = s.iter().copied().fold(0.0, f64::max);
     if smallest <= COERCIVE * largest {
         return Err(ContactError::NotCoercive { smallest, largest });
     }
-    let factor =
-        llt(&problem.stiffness).map_err(|none| none.or(|_| ContactError::NotCoercive { smallest, largest }))?;
+    let factor = llt(&stiffness).map_err(|none| none.or(|_| ContactError::NotCoercive { smallest, largest }))?;
     let inverse = factor.inverse();
     check_inverse(factor.lower(), inverse.as_ref())?;
     Ok(inverse)

@@ -52,7 +52,7 @@ fn bubbles_of_held(
     let boundary = build(m, &["floor"], &|_| 0.1, &|_| 1.0, held).unwrap();
     let size = boundary.kept().len();
     let stiffness = faer::Mat::from_fn(size, size, |i, j| if i == j { 1.0 } else { 0.0 });
-    let problem = Problem { stiffness, load: vec![0.0; size], nodes: boundary.contact.clone() };
+    let problem = Problem { stiffness: stiffness.into(), load: vec![0.0; size], nodes: boundary.contact.clone() };
     let solution = crate::active_set(&problem, None).unwrap();
     let mut sets = Sets::new(&problem, &solution).unwrap();
     for (i, &(closed, slip)) in states.iter().enumerate().take(boundary.contact.len()) {

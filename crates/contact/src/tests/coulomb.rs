@@ -39,7 +39,7 @@ fn one([a, b, c]: [f64; 3], f: [f64; 2], coefficient: f64) -> Problem {
         coefficient,
     };
     Problem {
-        stiffness: Mat::from_fn(2, 2, |i, j| [[a, b], [b, c]][i][j]),
+        stiffness: Mat::from_fn(2, 2, |i, j| [[a, b], [b, c]][i][j]).into(),
         load: f.to_vec(),
         nodes: vec![ContactNode { first: 0, unknowns: 2, conditions: vec![condition] }],
     }

@@ -51,7 +51,7 @@ proptest! {
                 match answer {
                     Err(ContactError::NotHeld { motion, work, scale }) => {
                         prop_assert!(work > 0.0 && work <= scale * (1.0 + 1e-9), "{work} {scale}");
-                        let elastic = crate::solvers::linear::product(&free.stiffness, &motion);
+                        let elastic = free.stiffness.times(&motion);
                         prop_assert!(crate::solvers::linear::largest(elastic) < 1e-9);
                     }
                     other => prop_assert!(false, "{other:?}"),

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::oracle::{brute_force, distance};
 use crate::proptest::{Friction, floating, mixed, ordinary};
-use crate::solvers::linear::{largest, product};
+use crate::solvers::linear::largest;
 use crate::{Condition, ContactError, ContactNode, Problem, Solution, Status, active_set, interior_point, kkt};
 
 /// The answer, which must pass the judge to 1e-10 except for the rounding of S v, which counts far from v = 0 only.
@@ -13,7 +13,7 @@ fn solved(problem: &Problem) -> Solution {
     let answer = interior_point(problem).unwrap();
     let (v, s) = (&answer.displacement, &problem.stiffness);
     let terms = largest((0..v.len()).map(|i| (0..v.len()).map(|j| (s[(i, j)] * v[j]).abs()).sum()));
-    let scale = largest(product(s, v)) + largest(problem.load.iter().copied());
+    let scale = largest(s.times(v)) + largest(problem.load.iter().copied());
     let rounding = if scale > 0.0 { 1e-15 * terms / scale } else { 0.0 };
     let mut judged = kkt(problem, &answer);
     judged.equilibrium = (judged.equilibrium - rounding).max(0.0);
@@ -72,7 +72,7 @@ fn right_angle() -> impl Strategy<Value = Problem> {
             });
             let mut load = other.load;
             load.extend([g[0] * size, g[1] * size]);
-            Problem { stiffness, load, nodes }
+            Problem { stiffness: stiffness.into(), load, nodes }
         },
     )
 }
@@ -149,7 +149,7 @@ proptest! {
         let mut problem = drawn;
         let mut w = w[..problem.load.len()].to_vec();
         w[1] = -w[1];
-        problem.load = product(&problem.stiffness, &w);
+        problem.load = problem.stiffness.times(&w);
         for (i, node) in problem.nodes.iter_mut().enumerate() {
             let c = &mut node.conditions[0];
             (c.gap, c.slip_offset, c.bound) = (w[2 * i], 0.0, c.bound.max(0.01));
@@ -195,7 +195,7 @@ proptest! {
     ) {
         let (length, stress) = (10f64.powf(length), 10f64.powf(stress));
         let mut scaled = problem.clone();
-        scaled.stiffness *= faer::Scale(stress);
+        scaled.stiffness = (&*problem.stiffness.full() * faer::Scale(stress)).into();
         scaled.load.iter_mut().for_each(|f| *f *= stress * length);
         for c in conditions(&mut scaled) {
             c.bound *= stress;
@@ -233,7 +233,7 @@ proptest! {
         for free in [sideways, away] {
             match interior_point(&free) {
                 Err(ContactError::NotHeld { motion, work, .. }) => {
-                    let elastic = product(&free.stiffness, &motion);
+                    let elastic = free.stiffness.times(&motion);
                     prop_assert!(work > 0.0 && largest(elastic) < 1e-9);
                 }
                 other => prop_assert!(false, "{other:?}"),

@@ -90,7 +90,7 @@ proptest! {
         let load = vec![share.0 * n[0] + share.1 * m[0], share.0 * n[1] + share.1 * m[1]];
         let conditions = vec![condition(n, bound, 0.0), condition(m, bound, 0.0)];
         let nodes = vec![ContactNode { first: 0, unknowns: 2, conditions }];
-        let problem = Problem { stiffness: faer::Mat::identity(2, 2), load, nodes };
+        let problem = Problem { stiffness: faer::Mat::identity(2, 2).into(), load, nodes };
         let answer = active_set(&problem, None).unwrap();
         for (found, pressure) in answer.multipliers.iter().zip([share.0, share.1]) {
             prop_assert!((found[0] - pressure).abs() < 1e-12 / opening.sin() && found[1].abs() < 1e-13, "{answer:?}");
@@ -108,7 +108,7 @@ fn a_corner_pulled_outwards_is_held_by_the_least_shears() {
         unknowns: 2,
         conditions: vec![condition([1.0, 0.0], 0.3, 0.0), condition([0.0, 1.0], 0.3, 0.0)],
     }];
-    let mut problem = Problem { stiffness: faer::Mat::identity(2, 2), load: vec![-0.1, -0.2], nodes };
+    let mut problem = Problem { stiffness: faer::Mat::identity(2, 2).into(), load: vec![-0.1, -0.2], nodes };
     let answer = active_set(&problem, None).unwrap();
     let expected = [[0.0, -0.2], [0.0, 0.1]];
     for (a, b) in answer.multipliers.iter().flatten().zip(expected.iter().flatten()) {

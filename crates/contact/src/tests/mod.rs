@@ -12,5 +12,6 @@ mod laws;
 mod lines;
 mod refusals;
 mod solvers;
+mod sparse;
 mod tips;
 mod transitions;

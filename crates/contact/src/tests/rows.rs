@@ -34,7 +34,7 @@ impl Row {
         Self {
             line: ContactLine { edge: 0, points: s.iter().enumerate().map(point).collect() },
             problem: Problem {
-                stiffness: Mat::from_fn(m, m, |i, j| if i == j { SPRING } else { 0.0 }),
+                stiffness: Mat::from_fn(m, m, |i, j| if i == j { SPRING } else { 0.0 }).into(),
                 load: vec![0.0; m],
                 nodes: (0..s.len()).map(node).collect(),
             },

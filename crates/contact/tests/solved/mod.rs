@@ -166,7 +166,7 @@ impl Case {
         let condensation = Condensation::new(stiffness.clone(), &partition, &[]).expect("held");
         let condensed = condensation.load(&load);
         let problem = Problem {
-            stiffness: condensation.stiffness().expect("no fault"),
+            stiffness: condensation.stiffness().expect("no fault").into(),
             load: condensed.kept.clone(),
             nodes: boundary.contact.clone(),
         };

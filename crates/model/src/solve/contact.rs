@@ -146,7 +146,8 @@ pub(crate) fn solve_contact(
 ) -> Result<(Vec<f64>, ContactResult, ContactFactors), ContactError> {
     let CondensedBody { mesh, space, stiffness, load, expand, largest_diagonal, free, driven, judged, liftable } =
         *body;
-    let mut problem = Problem { stiffness: stiffness.clone(), load: load.to_vec(), nodes: boundary.contact.clone() };
+    let mut problem =
+        Problem { stiffness: stiffness.clone().into(), load: load.to_vec(), nodes: boundary.contact.clone() };
     let mut solution = solve(&problem)?;
     let mut displacement = expand(&solution.displacement);
     let pressed = |displacement: &[f64], solution: &Solution| {

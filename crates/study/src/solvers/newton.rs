@@ -57,10 +57,10 @@ impl Newton {
                 (solution.displacement, failure)
             }
         };
-        let norm = quadratic(&problem.stiffness, &solution).sqrt();
+        let norm = quadratic(&problem.stiffness.full(), &solution).sqrt();
         let error = |v: &Vec<f64>| {
             let e: Vec<f64> = v.iter().zip(&solution).map(|(a, b)| a - b).collect();
-            let error = quadratic(&problem.stiffness, &e).max(0.0).sqrt();
+            let error = quadratic(&problem.stiffness.full(), &e).max(0.0).sqrt();
             if norm > 0.0 { error / norm } else { error }
         };
         let errors: Vec<f64> = unknowns.iter().map(error).collect();
