@@ -28,6 +28,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use faer::Mat;
+use steklov_algebra::Symmetric;
 
 use crate::condense::{Springs, add_springs};
 use crate::skeleton::{Joined, Shared, Skeleton, nodes_of_skeleton};
@@ -120,8 +121,7 @@ pub struct AssembledLoad {
     /// The load on the kept unknowns.
     pub kept: Vec<f64>,
     bodies: Vec<CondensedLoad>,
-    fronts: Vec<CondensedLoad>,
-    skeleton: Option<CondensedLoad>,
+    skeleton: Vec<CondensedLoad>,
 }
 
 impl Assembly {
@@ -136,12 +136,40 @@ impl Assembly {
     /// # Panics
     /// If the nodes of a single body are not in their order.
     pub fn new(
-        mut matrices: Vec<Mat<f64>>,
+        matrices: Vec<Mat<f64>>,
         of_bodies: &[(usize, Vec<usize>)],
         partition: &Partition,
         rows: &[Relative],
         motions: &[Vec<f64>],
         rotations: &[(usize, Vec<f64>)],
+    ) -> Result<Self, BemError> {
+        Self::joined(matrices, of_bodies, partition, (rows, motions, rotations), false)
+    }
+
+    /// Joins the subdomains of one body that is held, and keeps all unknowns that several of them share too, behind those of the
+    /// partition: S_c is a sum of blocks.
+    ///
+    /// *Use when* many unknowns are kept, spread over the subdomains. *Cost*: Σ n_k³/3, and memory for the blocks alone.
+    ///
+    /// # Errors
+    /// As [`Assembly::new`].
+    ///
+    /// # Panics
+    /// As [`Assembly::new`].
+    pub fn of_blocks(
+        matrices: Vec<Mat<f64>>,
+        of_bodies: &[(usize, Vec<usize>)],
+        partition: &Partition,
+    ) -> Result<Self, BemError> {
+        Self::joined(matrices, of_bodies, partition, (&[], &[], &[]), true)
+    }
+
+    fn joined(
+        mut matrices: Vec<Mat<f64>>,
+        of_bodies: &[(usize, Vec<usize>)],
+        partition: &Partition,
+        (rows, motions, rotations): (&[Relative], &[Vec<f64>], &[(usize, Vec<f64>)]),
+        keeps_shared: bool,
     ) -> Result<Self, BemError> {
         let size = 2 * of_bodies.iter().flat_map(|(_, nodes)| nodes).max().map_or(0, |last| last + 1);
         if of_bodies.len() == 1 && rows.is_empty() {
@@ -194,7 +222,7 @@ impl Assembly {
         });
         let motions: Vec<Vec<f64>> = motions.filter(|motion| motion.iter().any(|v| *v != 0.0)).collect();
         let moduli = vec![1.0; bodies.len()];
-        let joined = Joined { nodes, rows, stiffness, partition: of_skeleton, motions };
+        let joined = Joined { nodes, rows, stiffness, partition: of_skeleton, motions, keeps_shared };
         let skeleton = Some(Arc::new(joined).skeleton(&moduli)?);
         Ok(Self { bodies, moduli, skeleton, size, held, springs })
     }
@@ -214,14 +242,14 @@ impl Assembly {
         Ok(Self { moduli: moduli.to_vec(), skeleton, ..self.clone() })
     }
 
-    /// S_c of the kept unknowns, full storage.
+    /// S_c of the kept unknowns: in full storage, but a sum of blocks from [`Assembly::of_blocks`].
     ///
     /// # Errors
     /// [`BemError::Fault`].
-    pub fn stiffness(&self) -> Result<Mat<f64>, BemError> {
+    pub fn stiffness(&self) -> Result<Symmetric, BemError> {
         match &self.skeleton {
-            None => Ok(self.bodies[0].condensation.stiffness()? * faer::Scale(self.moduli[0])),
-            Some(skeleton) => skeleton.condensation.stiffness(),
+            None => Ok((self.bodies[0].condensation.stiffness()? * faer::Scale(self.moduli[0])).into()),
+            Some(skeleton) => skeleton.stiffness(),
         }
     }
 
@@ -248,21 +276,15 @@ impl Assembly {
         };
         let bodies: Vec<CondensedLoad> = self.bodies.iter().enumerate().map(part).collect();
         let Some(skeleton) = &self.skeleton else {
-            return AssembledLoad { kept: bodies[0].kept.clone(), bodies, fronts: Vec::new(), skeleton: None };
+            return AssembledLoad { kept: bodies[0].kept.clone(), bodies, skeleton: Vec::new() };
         };
         let mut f: Vec<f64> =
             skeleton.joined.nodes.iter().flat_map(|&node| [load[2 * node], load[2 * node + 1]]).collect();
         for (body, condensed) in self.bodies.iter().zip(&bodies) {
             body.of_skeleton().zip(&condensed.kept).for_each(|(dof, kept)| f[dof] += kept);
         }
-        let fronts = skeleton.fronts.iter().map(|front| front.load(&mut f)).collect();
-        for row in &skeleton.joined.rows {
-            let along: f64 = (0..2).map(|i| row.direction[i] * f[2 * row.node + i]).sum();
-            row.faced.iter().for_each(|&(j, c)| (0..2).for_each(|i| f[2 * j + i] += along * c[i]));
-        }
-        let left: Vec<f64> = skeleton.nodes.iter().flat_map(|node| [f[2 * node], f[2 * node + 1]]).collect();
-        let load = skeleton.condensation.load_held(&left, &values(Holder::Skeleton));
-        AssembledLoad { kept: load.kept.clone(), bodies, fronts, skeleton: Some(load) }
+        let (kept, skeleton) = skeleton.load(f, &values(Holder::Skeleton));
+        AssembledLoad { kept, bodies, skeleton }
     }
 
     /// Reduces the nodal load of a correction: all held values are 0.
@@ -273,20 +295,10 @@ impl Assembly {
     /// Nodal displacement (interleaved x, y, all nodes) from the kept values, in equilibrium with the load at the eliminated
     /// unknowns.
     pub fn expand(&self, load: &AssembledLoad, kept: &[f64]) -> Vec<f64> {
-        let Some((skeleton, of_skeleton)) = self.skeleton.as_ref().zip(load.skeleton.as_ref()) else {
+        let Some(skeleton) = &self.skeleton else {
             return self.bodies[0].condensation.expand(&load.bodies[0], kept);
         };
-        let mut u = vec![0.0; 2 * skeleton.joined.nodes.len()];
-        for (node, left) in skeleton.nodes.iter().zip(skeleton.condensation.expand(of_skeleton, kept).chunks_exact(2)) {
-            u[2 * node..2 * node + 2].copy_from_slice(left);
-        }
-        for row in skeleton.joined.rows.iter().rev() {
-            let faced: f64 = row.faced.iter().map(|&(j, c)| c[0] * u[2 * j] + c[1] * u[2 * j + 1]).sum();
-            (0..2).for_each(|i| u[2 * row.node + i] += faced * row.direction[i]);
-        }
-        for (front, load) in skeleton.fronts.iter().zip(&load.fronts).rev() {
-            front.expand(load, &mut u);
-        }
+        let u = skeleton.expand(&load.skeleton, kept);
         let mut all = vec![0.0; self.size];
         for (body, load) in self.bodies.iter().zip(&load.bodies) {
             let kept: Vec<f64> = body.of_skeleton().map(|dof| u[dof]).collect();

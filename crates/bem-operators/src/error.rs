@@ -52,6 +52,12 @@ pub enum BemError {
         /// Number of eliminated unknowns.
         size: usize,
     },
+    /// The matrix of what subdomains share does not fit into memory.
+    #[error("the factor of the {size} unknowns of contact and cuts does not fit into memory: allow a larger tolerance")]
+    Memory {
+        /// Number of unknowns.
+        size: usize,
+    },
     /// Nodes of interfaces that face one another in a circle.
     #[error(
         "{rows} conditions of interfaces depend on one another in a circle: let the other side of one interface carry the multipliers"

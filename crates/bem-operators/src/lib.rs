@@ -69,6 +69,7 @@ mod columns;
 mod assemble;
 mod assembly;
 mod skeleton;
+mod blocks;
 mod cache;
 mod enrichment;
 mod steklov;

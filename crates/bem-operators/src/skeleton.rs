@@ -3,21 +3,34 @@
 use std::sync::Arc;
 
 use faer::Mat;
+use steklov_algebra::Symmetric;
 
 use crate::assembly::Relative;
+use crate::blocks::Blocks;
 use crate::fronts::{Front, Group, dissect};
 use crate::space::Dof;
-use crate::{BemError, Condensation, Partition};
+use crate::{BemError, Condensation, CondensedLoad, Partition};
 
 /// The unknowns of several bodies that remain when each body is condensed.
 #[derive(Debug, Clone)]
 pub(crate) struct Skeleton {
-    /// Those that are eliminated first.
-    pub(crate) fronts: Vec<Front>,
-    /// The nodes that are left, among those of the skeleton.
-    pub(crate) nodes: Vec<usize>,
-    pub(crate) condensation: Condensation,
+    form: Form,
     pub(crate) joined: Arc<Joined>,
+}
+
+/// What is done to the unknowns of a skeleton.
+#[derive(Debug, Clone)]
+enum Form {
+    /// All are eliminated that are not kept.
+    Condensed {
+        /// Those that are eliminated first.
+        fronts: Vec<Front>,
+        /// The nodes that are left, among those of the skeleton.
+        nodes: Vec<usize>,
+        condensation: Box<Condensation>,
+    },
+    /// What several bodies share is kept too.
+    Blocks(Blocks),
 }
 
 /// The nodes that a body has in the skeleton, and its condensed S_k, which equal bodies share.
@@ -39,11 +52,17 @@ pub(crate) struct Joined {
     pub(crate) partition: Partition,
     /// Motions that springs hold.
     pub(crate) motions: Vec<Vec<f64>>,
+    /// Whether what several bodies share is kept, behind what the partition keeps; then there are no rows and no motions.
+    pub(crate) keeps_shared: bool,
 }
 
 impl Joined {
     /// The skeleton of bodies whose S_k have these factors.
     pub(crate) fn skeleton(self: Arc<Self>, moduli: &[f64]) -> Result<Skeleton, BemError> {
+        if self.keeps_shared {
+            let form = Form::Blocks(Blocks::new(&self, moduli)?);
+            return Ok(Skeleton { form, joined: self });
+        }
         let protected = self.protected();
         let groups = self.stiffness.iter().zip(moduli).filter_map(|(group, &modulus)| {
             let Shared { nodes, stiffness } = group.as_ref()?;
@@ -68,8 +87,8 @@ impl Joined {
         };
         let own = |motion: &Vec<f64>| nodes.iter().flat_map(|k| [motion[2 * k], motion[2 * k + 1]]).collect();
         let motions: Vec<Vec<f64>> = self.motions.iter().map(own).collect();
-        let condensation = Condensation::new(stiffness, &partition, &motions)?;
-        Ok(Skeleton { fronts, nodes, condensation, joined: self })
+        let condensation = Box::new(Condensation::new(stiffness, &partition, &motions)?);
+        Ok(Skeleton { form: Form::Condensed { fronts, nodes, condensation }, joined: self })
     }
 
     /// Whether each node has a row, is faced, kept or held, or has a frame.
@@ -80,6 +99,59 @@ impl Joined {
         let of_partition = kept.iter().copied().chain(held.iter().map(|held| held.0)).map(|dof| dof / 2);
         of_rows.chain(of_partition).chain(frames.iter().map(|frame| frame.0)).for_each(|node| protected[node] = true);
         protected
+    }
+}
+
+impl Skeleton {
+    /// S_c of what is kept.
+    pub(crate) fn stiffness(&self) -> Result<Symmetric, BemError> {
+        match &self.form {
+            Form::Condensed { condensation, .. } => Ok(condensation.stiffness()?.into()),
+            Form::Blocks(blocks) => blocks.stiffness(),
+        }
+    }
+
+    /// Reduces a nodal load on the skeleton, and the forces of held values: the load on what is kept, and what
+    /// [`Skeleton::expand`] needs.
+    pub(crate) fn load(&self, mut f: Vec<f64>, held: &[f64]) -> (Vec<f64>, Vec<CondensedLoad>) {
+        let (fronts, nodes, condensation) = match &self.form {
+            Form::Blocks(blocks) => return blocks.load(&f, held),
+            Form::Condensed { fronts, nodes, condensation } => (fronts, nodes, condensation),
+        };
+        let mut loads: Vec<CondensedLoad> = fronts.iter().map(|front| front.load(&mut f)).collect();
+        for row in &self.joined.rows {
+            let along: f64 = (0..2).map(|i| row.direction[i] * f[2 * row.node + i]).sum();
+            row.faced.iter().for_each(|&(j, c)| (0..2).for_each(|i| f[2 * j + i] += along * c[i]));
+        }
+        let left: Vec<f64> = nodes.iter().flat_map(|node| [f[2 * node], f[2 * node + 1]]).collect();
+        let load = condensation.load_held(&left, held);
+        let kept = load.kept.clone();
+        loads.push(load);
+        (kept, loads)
+    }
+
+    /// The nodal displacement of the skeleton from the kept values.
+    ///
+    /// # Panics
+    /// If the loads are none of [`Skeleton::load`].
+    pub(crate) fn expand(&self, loads: &[CondensedLoad], kept: &[f64]) -> Vec<f64> {
+        let (fronts, nodes, condensation) = match &self.form {
+            Form::Blocks(blocks) => return blocks.expand(loads, kept, self.joined.nodes.len()),
+            Form::Condensed { fronts, nodes, condensation } => (fronts, nodes, condensation),
+        };
+        let (last, of_fronts) = loads.split_last().expect("the load on what fronts leave");
+        let mut u = vec![0.0; 2 * self.joined.nodes.len()];
+        for (node, left) in nodes.iter().zip(condensation.expand(last, kept).chunks_exact(2)) {
+            u[2 * node..2 * node + 2].copy_from_slice(left);
+        }
+        for row in self.joined.rows.iter().rev() {
+            let faced: f64 = row.faced.iter().map(|&(j, c)| c[0] * u[2 * j] + c[1] * u[2 * j + 1]).sum();
+            (0..2).for_each(|i| u[2 * row.node + i] += faced * row.direction[i]);
+        }
+        for (front, load) in fronts.iter().zip(of_fronts).rev() {
+            front.expand(load, &mut u);
+        }
+        u
     }
 }
 

@@ -234,7 +234,7 @@ fn touching(
     let body = CondensedBody {
         mesh: &trace.mesh,
         space: &trace.space,
-        stiffness: &stiffness,
+        stiffness: &stiffness.into(),
         load: &load,
         expand: &expand,
         largest_diagonal: elimination.largest_diagonal(),

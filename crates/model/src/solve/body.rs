@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use faer::{Mat, Scale};
+use steklov_algebra::Symmetric;
 use steklov_bem_operators::{Assembly, BoundaryField, Cuts, Mesh, Space, legendre_decay};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_elastic::RigidMotion;
@@ -46,7 +47,7 @@ pub struct Body {
     pub outside: Option<Outside>,
     /// S_c of the contact unknowns, for the outcomes of random input; empty without contact, or when a scene without random input
     /// is solved.
-    pub stiffness: Mat<f64>,
+    pub stiffness: Symmetric,
     /// Interfaces between bodies.
     pub(crate) joints: Vec<Joint>,
     /// The nodes that are tied to other bodies.
@@ -147,8 +148,8 @@ impl Body {
         let factors: Vec<f64> = pieces.iter().map(|body| body.modulus).collect();
         let condensation = self.condensation.with_moduli(&factors)?;
         let stiffness = match (&self.pieces[..], &factors[..]) {
-            _ if self.stiffness.nrows() == 0 => Mat::new(),
-            ([before], [factor]) => &self.stiffness * Scale(factor / before.modulus),
+            _ if self.stiffness.size() == 0 => Mat::new().into(),
+            ([before], [factor]) => (&*self.stiffness.full() * Scale(factor / before.modulus)).into(),
             _ => condensation.stiffness()?,
         };
         Ok(Self {

@@ -1,10 +1,10 @@
 //! Contact on one mesh: the condensed problem, its solution, and its reported numbers.
 
-use faer::Mat;
+use steklov_algebra::Symmetric;
 use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{
-    ContactBoundary, ContactError, ContactLine, Decided, Kkt, Least, Problem, Sets, Solution, contraction, decided,
-    kkt_in_body, lifting_motion, other_solution,
+    ContactBoundary, ContactError, ContactLine, ContactNode, Decided, Kkt, Least, Problem, Sets, Solution, contraction,
+    decided, kkt_in_body, lifting_motion, other_solution,
 };
 use steklov_elastic::RigidMotion;
 use steklov_elastic::plane::dot;
@@ -123,7 +123,7 @@ pub(crate) struct CondensedBody<'a> {
     pub(crate) mesh: &'a Mesh,
     pub(crate) space: &'a Space,
     /// S_c, and the reduced load.
-    pub(crate) stiffness: &'a Mat<f64>,
+    pub(crate) stiffness: &'a Symmetric,
     pub(crate) load: &'a [f64],
     /// All displacements from those of the contact nodes.
     pub(crate) expand: &'a dyn Fn(&[f64]) -> Vec<f64>,
@@ -146,8 +146,8 @@ pub(crate) fn solve_contact(
 ) -> Result<(Vec<f64>, ContactResult, ContactFactors), ContactError> {
     let CondensedBody { mesh, space, stiffness, load, expand, largest_diagonal, free, driven, judged, liftable } =
         *body;
-    let mut problem =
-        Problem { stiffness: stiffness.clone().into(), load: load.to_vec(), nodes: boundary.contact.clone() };
+    let nodes = with_free_nodes(&boundary.contact, load.len());
+    let mut problem = Problem { stiffness: stiffness.clone(), load: load.to_vec(), nodes };
     let mut solution = solve(&problem)?;
     let mut displacement = expand(&solution.displacement);
     let pressed = |displacement: &[f64], solution: &Solution| {
@@ -183,11 +183,18 @@ pub(crate) fn solve_contact(
     let audit = kkt_in_body(&problem, &solution, largest);
     let lines = boundary.lines(mesh, space);
     boundary.tell_slip(&boundary.relative(&displacement), &mut solution.status);
-    let contact = problem.nodes.clone();
+    let contact = problem.nodes[..boundary.nodes.len()].to_vec();
     let boundary = ContactBoundary { contact, ..boundary };
     let factors = ContactFactors { problem, sets, lines };
     let contact = ContactResult { boundary, solution, audit, friction_work, coulomb, stabilised: None, lift };
     Ok((displacement, contact, factors))
+}
+
+/// The contact nodes, and behind them a free one for each unknown that is kept on cuts.
+fn with_free_nodes(contact: &[ContactNode], unknowns: usize) -> Vec<ContactNode> {
+    let of_contact = contact.iter().map(|node| node.unknowns).sum();
+    let free = (of_contact..unknowns).map(|first| ContactNode { first, unknowns: 1, conditions: Vec::new() });
+    contact.iter().cloned().chain(free).collect()
 }
 
 /// How fast a motion leaves the obstacle at each condition of each node; 0 where it touches on.

@@ -151,6 +151,9 @@ fn add_springs(
     Some(largest)
 }
 
+/// A body with cuts keeps the unknowns on them beside more contact unknowns than these: the contact problem is sparse then.
+const MANY: usize = 1000;
+
 /// Solves the scene on a mesh, with cuts into subdomains or as it is; `estimated`: an estimate is to follow. Moments of pairs
 /// of elements are taken from `cache` where it has them.
 ///
@@ -211,13 +214,17 @@ pub fn solve(
     let Matrices { different, of } = matrices;
     let nodes = bodies.iter().map(|body| body.piece.part.nodes.clone());
     let of_bodies: Vec<(usize, Vec<usize>)> = of.into_iter().zip(nodes).collect();
-    let condensation = Assembly::new(different, &of_bodies, &partition, &rows, &loose.motions, &loose.rotations)
-        .map_err(|error| without_digits(error, &scene.problem, &bodies))?;
+    let is_held = loose.motions.is_empty() && loose.rotations.is_empty() && rows.is_empty();
+    let condensation = match partition.kept.len() > MANY && cuts.is_some() && is_held && scene.random.is_none() {
+        true => Assembly::of_blocks(different, &of_bodies, &partition),
+        false => Assembly::new(different, &of_bodies, &partition, &rows, &loose.motions, &loose.rotations),
+    };
+    let condensation = condensation.map_err(|error| without_digits(error, &scene.problem, &bodies))?;
     seconds.factorise += clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
     observe(Stage::Progress("contact", 0.95))?;
-    let stiffness = if given.boundary.is_some() { condensation.stiffness()? } else { Mat::new() };
+    let stiffness = if given.boundary.is_some() { condensation.stiffness()? } else { Mat::new().into() };
     let largest_diagonal = largest_diagonal.unwrap_or_else(|| condensation.largest_diagonal());
     let mut body = Body {
         elements: mesh.len() + on_cuts.part.len(),
@@ -241,7 +248,7 @@ pub fn solve(
         body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;
     if scene.random.is_none() {
         // the contact problem has its own
-        body.stiffness = Mat::new();
+        body.stiffness = Mat::new().into();
     }
     seconds.solve = clock.elapsed().as_secs_f64();
     solved.seconds = seconds;

@@ -64,7 +64,7 @@ pub(crate) fn solve_cell(
         });
         let of_outcome = |g: &Given| g.loading.boundary.as_ref().map_or(Vec::new(), |b| b.contact.clone());
         let nodes: Vec<_> = given.iter().map(of_outcome).collect();
-        let stiffness = &outcomes.body.stiffness;
+        let stiffness = &*outcomes.body.stiffness.full();
         let problem = TensorProblem { stiffness, mass: &mass, weights: &basis.weights, load: &load, nodes: &nodes };
         let solved = tensor_active_set(&problem)?;
         for j in 0..size {
