@@ -15,9 +15,7 @@ use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::solve::solution::Solved;
 use steklov_model::summary::{ContactSummary, Summary};
-use steklov_plan::plan;
 use steklov_problem::{Model, Refine, Scene};
-use steklov_result::record::Record;
 
 /// A solved scene with its contact table.
 pub struct Answer {
@@ -131,7 +129,7 @@ pub fn attempt_grid(scene: &Scene) -> Result<Run<OnGrid>, SolveError> {
 /// If it has no solution.
 pub fn summary(scene: &Scene) -> Summary {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
-    Record::new(scene, plan(scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary
+    steklov_model::Answer::of_run(scene, &run, None).summary
 }
 
 /// The summary of a scene that is solved by finite elements.
@@ -140,7 +138,7 @@ pub fn summary(scene: &Scene) -> Summary {
 /// If it has no solution.
 pub fn on_grid(scene: &Scene) -> Summary {
     let run = attempt_grid(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
-    Record::new(scene, plan(scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary
+    steklov_model::Answer::of_run(scene, &run, None).summary
 }
 
 /// Solves a scene on a mesh.

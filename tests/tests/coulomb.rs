@@ -6,12 +6,9 @@ use steklov_bem_operators::{Mark, Subdivision};
 use steklov_contact::{Problem, Solution, TipKind, fixed_point, interior_point, kkt, newton};
 use steklov_model::run::adaptive_loop::Run;
 use steklov_model::run::boundary_elements::BoundaryElements;
-use steklov_model::summary::Summary;
-use steklov_plan::plan;
 use steklov_problem::Scene;
-use steklov_result::record::Record;
 use steklov_study::reference::true_error;
-use steklov_tests::adapt;
+use steklov_tests::{adapt, summary};
 
 fn scene(name: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
@@ -21,10 +18,6 @@ fn scene(name: &str, overrides: &[&str]) -> Scene {
 
 fn run(scene: &Scene) -> Run<BoundaryElements> {
     adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title))
-}
-
-fn summary(scene: &Scene) -> Summary {
-    Record::new(scene, plan(scene), &run(scene), None, Path::new("none.vtkhdf"), 0.0).summary
 }
 
 /// The condensed problem of a scene's first mesh, and its solution.

@@ -4,20 +4,17 @@
 //! faults are made, else a hundred.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_algebra::{Spoiler, disarm, is_fault};
+use steklov_model::Answer;
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::{Model, Progress, Run, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::Summary;
-use steklov_plan::plan;
 use steklov_problem::Scene;
 use steklov_quadrature::{splitmix64, unit_uniform};
-use steklov_result::keep::Keep;
-use steklov_result::record::Record;
 use steklov_tests::scene;
 
 const SEED: u64 = 20_261_124;
@@ -49,14 +46,14 @@ enum End {
     Silent,
 }
 
-fn summary_of<M: Model + Keep>(scene: &Scene, first: Progress<M>) -> Result<Summary, SolveError> {
+fn summary_of<M: Model>(scene: &Scene, first: Progress<M>) -> Result<Summary, SolveError> {
     let never = AtomicUsize::new(0);
     let mut run: Run<M> = run(scene, first, &never, &mut |_, _| Ok(()))?;
     let outcomes = M::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))?;
     if let Some(error) = run.error {
         return Err(error);
     }
-    let mut summary = Record::new(scene, plan(scene), &run, outcomes, Path::new("none.vtkhdf"), 0.0).summary;
+    let mut summary = Answer::of_run(scene, &run, outcomes).summary;
     (summary.seconds, summary.peak_memory_bytes) = (Default::default(), 0);
     Ok(summary)
 }

@@ -1,10 +1,8 @@
 //! Prescribed displacements: which are continuous, and which are small.
 
-use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use steklov_plan::plan;
-use steklov_result::record::Record;
+use steklov_model::Answer;
 use steklov_study::reference::Reference;
 use steklov_tests::{adapt, parse, summary};
 
@@ -71,8 +69,7 @@ fn deformations_beyond_small_strains_are_doubted() {
         );
         let scene = parse(&text, &[]).unwrap_or_else(|e| panic!("{e}"));
         let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
-        let record = Record::new(&scene, plan(&scene), &run, None, Path::new("none.vtkhdf"), 0.0);
-        record.summary.estimate_doubts.contains(&"large".to_owned())
+        Answer::of_run(&scene, &run, None).summary.estimate_doubts.contains(&"large".to_owned())
     };
     assert!(pressed(-50.0) && !pressed(-0.5));
 }

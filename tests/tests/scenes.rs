@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 
+use steklov_model::Answer;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::Model;
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::{Audit, Summary};
 use steklov_plan::{Plan, plan};
 use steklov_problem::Scene;
-use steklov_result::record::Record;
 use steklov_tests::{adapt, attempt_grid, unbalanced_forces, unbalanced_nodes};
 
 /// Measures of the audit and of equilibrium may be at most this.
@@ -53,7 +53,7 @@ fn solved(scene: &Scene) -> (Summary, f64) {
             .unwrap_or_else(|e| panic!("{}: {e}", scene.title));
         let (forces, nodes) = (unbalanced_forces(scene, &run.last), unbalanced_nodes(scene, &run.last));
         println!("{}: forces {forces:.1e}, nodes {nodes:?}", scene.title);
-        let summary = Record::new(scene, plan(scene), &run, outcomes, Path::new("none.vtkhdf"), 0.0).summary;
+        let summary = Answer::of_run(scene, &run, outcomes).summary;
         let contrast = summary.grid.as_ref().map_or(1.0, |grid| grid.contrast);
         let equilibrium = (forces / ROUNDED).max(nodes.unwrap_or(0.0)) / contrast.max(1.0).sqrt();
         return (summary, equilibrium);
@@ -66,7 +66,7 @@ fn solved(scene: &Scene) -> (Summary, f64) {
         BoundaryElements::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))
             .unwrap_or_else(|e| panic!("{}: {e}", scene.title))
     });
-    (Record::new(scene, plan(scene), &run, outcomes.flatten(), Path::new("none.vtkhdf"), 0.0).summary, equilibrium)
+    (Answer::of_run(scene, &run, outcomes.flatten()).summary, equilibrium)
 }
 
 fn numbered(number: &str) -> PathBuf {

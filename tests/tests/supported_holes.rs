@@ -1,7 +1,7 @@
 //! Holes in an unbounded medium that supports or obstacles hold: no force may depend on the length in the logarithm.
 
+use steklov_model::Answer;
 use steklov_model::summary::Summary;
-use steklov_result::record::Record;
 use steklov_tests::{adapt, parse};
 
 /// A hole on a rigid insert that it touches below and above.
@@ -39,8 +39,7 @@ fn solved(sides: &[&str], far: Option<f64>, more: &[&str]) -> Summary {
     let text = sides.join("\n") + "\n" + &text;
     let scene = parse(&text, more).unwrap_or_else(|e| panic!("{}", e.render()));
     let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
-    let plan = steklov_plan::plan(&scene);
-    Record::new(&scene, plan, &run, None, std::path::Path::new("none.vtkhdf"), 0.0).summary
+    Answer::of_run(&scene, &run, None).summary
 }
 
 fn doubts_length(s: &Summary) -> bool {

@@ -5,10 +5,8 @@ use std::fmt::Write as _;
 
 use steklov_bem_operators::{BemError, Mesh};
 use steklov_model::error::SolveError;
-use steklov_model::summary::Summary;
 use steklov_problem::Scene;
-use steklov_result::record::Record;
-use steklov_tests::{adapt, answer_on, parse, scene};
+use steklov_tests::{adapt, answer_on, parse, scene, summary};
 
 /// A scene with holes in the plane: corners and the side names of each.
 fn text(holes: &[(&[[f64; 2]], &str)], exterior: &str, rest: &str) -> String {
@@ -32,12 +30,6 @@ fn ring(n: usize) -> Vec<[f64; 2]> {
 }
 
 const SQUARE: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-
-fn summary(scene: &Scene) -> Summary {
-    let run = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
-    let plan = steklov_plan::plan(scene);
-    Record::new(scene, plan, &run, None, std::path::Path::new("none.vtkhdf"), 0.0).summary
-}
 
 /// Remote stress is the same as tractions -σ_∞n on the holes, but for u_∞ = ε_∞ x: energies, estimates and what is added are
 /// the same to the last digits, on every mesh of a run.

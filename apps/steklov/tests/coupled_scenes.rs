@@ -1,16 +1,14 @@
 //! Bodies on grids in an unbounded medium: against closed forms and other discretisations, and what is refused.
 
-use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_document::SceneError;
 use steklov_document::SceneErrorKind as Kind;
+use steklov_model::Answer;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::{self, Progress, Run};
 use steklov_model::summary::Summary;
-use steklov_plan::plan;
 use steklov_problem::{DataErrorKind, Scene};
-use steklov_result::record::Record;
 
 /// A square of one material in a medium of another, under remote stress.
 const SQUARE: &str = r#"title = "square"
@@ -48,7 +46,7 @@ fn finished(text: &str, overrides: &[&str]) -> (Scene, Run<OnGrid>) {
 
 fn solve(text: &str, overrides: &[&str]) -> Summary {
     let (scene, run) = finished(text, overrides);
-    Record::new(&scene, plan(&scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary
+    Answer::of_run(&scene, &run, None).summary
 }
 
 /// Largest difference of two lists of numbers.

@@ -6,7 +6,7 @@
 //! Source: Freivalds (1977) for products, with rounding in them.
 //!
 //! The product of a result with the vector, its [`Image`], is passed to the checks of later results computed from it, which
-//! need not read it again. Sparse factors (`steklov-msfem`), solutions of dense systems (`steklov-contact`,
+//! need not read it again. Sparse factors ([`Structure`]), solutions of dense systems (`steklov-contact`,
 //! `steklov-coupling`) and spectra are checked by the same vector. Not checked, since none of it runs on several threads of
 //! the library: local problems of multiscale bases, matrices of ten rows or fewer, Newton matrices of the interior point
 //! method, whose residuals are taken from S itself, products column by column of stochastic nodes, eigenpairs of random fields
@@ -42,7 +42,9 @@ mod dot;
 mod fault;
 mod operand;
 mod probe;
+mod sparse;
 mod spoil;
+mod symmetric;
 
 // the crates whose types appear in the interface
 pub use faer;
@@ -56,6 +58,8 @@ pub use dense::{Image, PARTS, add_product, add_to_lower, parts, solve_lower, sol
 pub use dot::dot;
 pub use fault::{Fault, is_fault, once_more, threads};
 pub use probe::{Sparse, check_cholesky, check_inverse, check_solution, check_spectrum, scaled_probe};
+pub use sparse::{NoSparseFactor, Pattern, SparseCholesky, Structure};
 pub use spoil::spoil;
 #[cfg(feature = "faults")]
 pub use spoil::{Spoiler, disarm};
+pub use symmetric::{SparseSymmetric, Symmetric};

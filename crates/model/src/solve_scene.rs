@@ -6,7 +6,7 @@ use steklov_problem::Scene;
 
 use crate::error::SolveError;
 use crate::grid::OnGrid;
-use crate::run::adaptive_loop::{Model, Progress, run};
+use crate::run::adaptive_loop::{Model, Progress, Run, run};
 use crate::run::answer::answer;
 use crate::run::boundary_elements::BoundaryElements;
 use crate::solve::contact_rows::{ContactRow, contact_rows};
@@ -22,6 +22,15 @@ pub struct Answer {
     pub contact: Vec<ContactRow>,
     /// All outcomes of random input, with mean, variance and quantiles of quantities; `None` if nothing is random, or the run ended before.
     pub outcomes: Option<StochasticResult>,
+}
+
+impl Answer {
+    /// The numbers of a run, with all outcomes of its random input if they were solved.
+    pub fn of_run<M: Model>(scene: &Scene, run: &Run<M>, outcomes: Option<StochasticResult>) -> Self {
+        let report = M::report(scene, run);
+        let contact = report.contact.map_or(Vec::new(), |contact| contact_rows(report.trace, contact));
+        Self { summary: answer(scene, run, report, &contact, outcomes.as_ref()), contact, outcomes }
+    }
 }
 
 /// Solves a scene as its method says: checks it, refines until the tolerance or a limit is reached, and solves for all
@@ -48,7 +57,5 @@ fn solve_from<M: Model>(scene: &Scene, first: Progress<M>) -> Result<Answer, Sol
     let never = AtomicUsize::new(0);
     let mut run = run(scene, first, &never, &mut |_, _| Ok(()))?;
     let outcomes = M::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))?;
-    let report = M::report(scene, &run);
-    let contact = report.contact.map_or(Vec::new(), |contact| contact_rows(report.trace, contact));
-    Ok(Answer { summary: answer(scene, &run, report, &contact, outcomes.as_ref()), contact, outcomes })
+    Ok(Answer::of_run(scene, &run, outcomes))
 }

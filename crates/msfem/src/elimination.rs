@@ -3,10 +3,9 @@
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, MatMut, Par};
 use sprs::CsMat;
-use steklov_algebra::{PARTS, check_cholesky, spoil, threads};
+use steklov_algebra::{NoSparseFactor, PARTS, Pattern, SparseCholesky, Structure, check_cholesky, spoil, threads};
 
 use crate::MsfemError;
-use crate::cholesky::{Cholesky, Lower, Structure};
 
 /// Size from which factorisations use all threads.
 const LARGE: usize = 400_000;
@@ -24,7 +23,7 @@ const LARGE: usize = 400_000;
 pub struct Elimination {
     stiffness: CsMat<f64>,
     /// None where nothing is free.
-    factor: Option<Cholesky>,
+    factor: Option<SparseCholesky>,
     /// Unknowns in the rows of the factor.
     free: Vec<usize>,
     /// Rows of the kept unknowns.
@@ -66,7 +65,7 @@ impl Elimination {
         kept.iter().for_each(|&u| taken[u] = true);
         let eliminated = order.iter().flat_map(|n| [2 * n, 2 * n + 1]).filter(|&u| !taken[u]).map(|u| row[u]);
         let rows: Vec<usize> = eliminated.chain(kept.iter().map(|&u| row[u])).collect();
-        let (mut pattern, mut entries) = (Lower { start: vec![0], rows: Vec::new() }, Vec::new());
+        let (mut pattern, mut entries) = (Pattern { start: vec![0], rows: Vec::new() }, Vec::new());
         let half = stiffness.nnz() / 2 + size;
         pattern.rows.reserve(half);
         entries.reserve(half);
@@ -88,9 +87,11 @@ impl Elimination {
         let factor = match free.is_empty() {
             true => None,
             false => {
-                Some(Structure::new(pattern, &rows)?.factorise_checked(&entries, par).map_err(|error| match error {
-                    MsfemError::Singular { unknown, size } => MsfemError::Singular { unknown: free[unknown], size },
-                    other => other,
+                let size = free.len();
+                let structure = Structure::new(pattern, &rows).map_err(|none| MsfemError::of_factor(none, size))?;
+                Some(structure.factorise_checked(&entries, par).map_err(|none| match none {
+                    NoSparseFactor::Pivot(k) => MsfemError::Singular { unknown: free[k], size },
+                    none => MsfemError::of_factor(none, size),
                 })?)
             }
         };

@@ -1,5 +1,7 @@
 //! What can be wrong with a heterogeneous body and its grid.
 
+use steklov_algebra::NoSparseFactor;
+
 /// Why a problem on a grid cannot be set up or solved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -69,4 +71,15 @@ pub enum MsfemError {
     /// The caller stopped the work.
     #[error("stopped before the work was done")]
     Stopped,
+}
+
+impl MsfemError {
+    /// The error of a matrix of so many unknowns that has no factor.
+    pub(crate) fn of_factor(none: NoSparseFactor, size: usize) -> Self {
+        match none {
+            NoSparseFactor::Memory => Self::Memory { size },
+            NoSparseFactor::Pivot(unknown) => Self::Singular { unknown, size },
+            NoSparseFactor::Fault(fault) => fault.into(),
+        }
+    }
 }

@@ -76,7 +76,6 @@ mod body;
 mod affine;
 mod load;
 mod ordering;
-mod cholesky;
 mod local;
 mod basis;
 mod coarse_mesh;

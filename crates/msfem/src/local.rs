@@ -1,10 +1,10 @@
 //! Local problems: a rectangle of m × n fine cells, some of whose displacements are given.
 
 use faer::{Mat, Par};
+use steklov_algebra::{Pattern, SparseCholesky, Structure};
 
 use crate::MsfemError;
 use crate::body::CellMatrices;
-use crate::cholesky::{Cholesky, Lower, Structure};
 use crate::grid::NONE;
 use crate::ordering::Incidence;
 
@@ -104,7 +104,7 @@ impl LocalProblem {
             let [i, j] = [cell / self.size[1], cell % self.size[1]];
             incidence.push([i as u32, j as u32], free);
         }
-        let mut pattern = Lower { start: vec![0], rows: Vec::new() };
+        let mut pattern = Pattern { start: vec![0], rows: Vec::new() };
         for column in &mut columns {
             column.sort_unstable();
             column.dedup();
@@ -125,7 +125,7 @@ impl LocalProblem {
             .map(|(_, dofs)| std::array::from_fn(|k| slot(self.unknown[dofs[k / 8]], self.unknown[dofs[k % 8]])));
         self.slots = slots.collect();
         let order = incidence.nested_dissection(self.count);
-        self.structure = Some(Structure::new(pattern, &order)?);
+        self.structure = Some(Structure::new(pattern, &order).map_err(|none| MsfemError::of_factor(none, self.count))?);
         Ok(())
     }
 
@@ -133,7 +133,7 @@ impl LocalProblem {
     ///
     /// # Errors
     /// As [`Structure::factorise`].
-    pub fn factorise(&self, cells: &CellMatrices) -> Result<Option<Cholesky>, MsfemError> {
+    pub fn factorise(&self, cells: &CellMatrices) -> Result<Option<SparseCholesky>, MsfemError> {
         let Some(structure) = &self.structure else { return Ok(None) };
         let mut entries = vec![0.0; structure.pattern.rows.len()];
         for (cell, slots) in self.slots.iter().enumerate() {
@@ -144,13 +144,13 @@ impl LocalProblem {
                 }
             }
         }
-        structure.factorise(&entries, Par::Seq).map(Some)
+        structure.factorise(&entries, Par::Seq).map(Some).map_err(|none| MsfemError::of_factor(none, self.count))
     }
 
     /// G + P z with Pᵀ K (G + P z) = Pᵀ f for the columns listed; the other columns stay. `f` is a load of the first of them.
     pub fn solve(
         &self,
-        factor: Option<&Cholesky>,
+        factor: Option<&SparseCholesky>,
         cells: &CellMatrices,
         given: &mut Columns,
         columns: &[usize],
