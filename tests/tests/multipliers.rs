@@ -5,6 +5,7 @@ use steklov_contact::{ContactError, MultiplierDegree, MultiplierMesh};
 use steklov_model::answer::report::contact_summary;
 use steklov_model::error::SolveError;
 use steklov_model::solve::contact_rows::contact_rows;
+use steklov_model::solve::solution::Solved;
 use steklov_problem::{Multiplier, Refine, Scene};
 use steklov_quadrature::gauss_legendre;
 use steklov_tests::{adapt, answer, gallery, line, parse, scene};
@@ -104,12 +105,7 @@ fn ssnv128_has_the_digits_of_both_multipliers() {
 }
 
 /// ‖(h/p²)^½ (λ_n - λ_ref)‖ of uniform meshes against an adaptive solution.
-fn pressure_errors(scene: &Scene, elements: &[usize]) -> Vec<f64> {
-    let mut fine = stabilised(scene);
-    (fine.method.refine, fine.method.tolerance, fine.method.gamma) = (Refine::Hp, Some(1e-5), None);
-    (fine.method.multiplier_mesh, fine.method.multiplier_degree) =
-        (MultiplierMesh::Same, MultiplierDegree::Relative(0));
-    let fine = adapt(&fine).expect("it is solved").last;
+fn pressure_errors(scene: &Scene, fine: &Solved, elements: &[usize]) -> Vec<f64> {
     let reference = fine.contact.as_ref().and_then(|c| c.stabilised.as_ref()).expect("stabilised");
     let error = |n: usize| {
         let mut scene = stabilised(scene);
@@ -147,21 +143,27 @@ fn pressure_errors(scene: &Scene, elements: &[usize]) -> Vec<f64> {
 fn mismatched_multipliers_converge_with_stabilisation_only() {
     let elements = [32, 64, 128, 256];
     let sizes: Vec<f64> = elements.iter().map(|&n| (n as f64).ln()).collect();
+    let block = scene("block-on-floor", &["sides.floor.contact.gap=\"0.1*x^2\""]);
+    let mut fine = stabilised(&block);
+    (fine.method.refine, fine.method.tolerance, fine.method.gamma) = (Refine::Hp, Some(1e-5), None);
+    (fine.method.multiplier_mesh, fine.method.multiplier_degree) =
+        (MultiplierMesh::Same, MultiplierDegree::Relative(0));
+    let fine = adapt(&fine).expect("it is solved").last;
     for (mesh, degree) in [
         (MultiplierMesh::Same, MultiplierDegree::Relative(0)),
         (MultiplierMesh::Finer(2), MultiplierDegree::Relative(0)),
         (MultiplierMesh::Shifted, MultiplierDegree::Relative(0)),
         (MultiplierMesh::Same, MultiplierDegree::ContinuousLinear),
     ] {
-        let mut block = scene("block-on-floor", &["sides.floor.contact.gap=\"0.1*x^2\""]);
+        let mut block = block.clone();
         (block.method.multiplier_mesh, block.method.multiplier_degree) = (mesh, degree);
-        let errors = pressure_errors(&block, &elements);
+        let errors = pressure_errors(&block, &fine, &elements);
         let (rate, _) = line(&sizes, &errors.iter().map(|e| e.ln()).collect::<Vec<f64>>());
         println!("{mesh:?} {degree:?}: rate {:.2} of {errors:?}", -rate);
         assert!((1.2..1.9).contains(&-rate), "{mesh:?} {degree:?}: {rate}");
         if mesh == MultiplierMesh::Finer(2) {
             block.method.gamma = Some(1e-5 / block.body().material().young);
-            let without = pressure_errors(&block, &elements[..2]);
+            let without = pressure_errors(&block, &fine, &elements[..2]);
             println!("without: {without:?}");
             assert!(without[1] > 5.0 * errors[1], "{without:?} {errors:?}");
         }

@@ -1,21 +1,25 @@
 //! The contact solvers do not cycle: few iterations on every scene of the gallery, cold on uniform meshes, warm from step
 //! to step of an adaptive run; all of them end on one answer.
 
+use std::sync::atomic::AtomicUsize;
+
 use steklov_bem_operators::{Mesh, PairCache};
 use steklov_contact::{
     ContactBoundary, ContactError, Problem, Solution, Start, active_set, interior_point, kkt, newton,
 };
-use steklov_model::mesh::first_mesh::first_mesh;
+use steklov_model::run::adaptive_loop::{Event, Progress, run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::one_mesh::solve;
-use steklov_problem::Scene;
-use steklov_tests::{adapt, gallery};
+use steklov_model::stage::Stage;
+use steklov_problem::{Cutting, Scene};
+use steklov_tests::gallery;
 
 type Solver = fn(&Problem, Option<Start<'_>>) -> Result<Solution, ContactError>;
 const SOLVERS: [(&str, Solver); 2] = [("newton", newton), ("active-set", active_set)];
 
 /// The scenes with contact.
 fn scenes() -> impl Iterator<Item = (String, Scene)> {
-    gallery().into_iter().filter(|(_, scene)| condensed(scene, first_mesh(scene)).is_some())
+    gallery().into_iter().filter(|(_, scene)| scene.contacts().next().is_some())
 }
 
 /// The condensed contact problem on a mesh; none without contact.
@@ -23,6 +27,27 @@ fn condensed(scene: &Scene, mesh: Mesh) -> Option<(ContactBoundary, Problem)> {
     let (solved, _, factors) =
         solve(scene, (mesh, None), false, &mut PairCache::default(), &mut |_| Ok(())).expect("a solution");
     Some((solved.contact?.boundary, factors.contact?.problem))
+}
+
+/// The condensed contact problems of the steps of a run without cuts.
+fn condensed_in_steps(scene: &Scene) -> Vec<(ContactBoundary, Problem)> {
+    let mut scene = scene.clone();
+    scene.method.cuts = Cutting::None;
+    let (mut boundaries, mut problems) = (Vec::new(), Vec::new());
+    let first: Progress<BoundaryElements> = Progress::first(&scene);
+    run(&scene, first, &AtomicUsize::new(0), &mut |_, event| {
+        match event {
+            Event::Stage(Stage::Contact(problem, _)) => problems.push(problem.clone()),
+            Event::Done { solved, .. } => {
+                boundaries.push(solved.contact.as_ref().expect("contact").boundary.clone());
+            }
+            Event::Stage(_) => {}
+        }
+        Ok(())
+    })
+    .unwrap_or_else(|e| panic!("{}: {e}", scene.title));
+    assert_eq!(boundaries.len(), problems.len());
+    boundaries.into_iter().zip(problems).collect()
 }
 
 /// A solution that says that it is one must be one.
@@ -101,10 +126,8 @@ fn steps_of_adaptive_runs_take_at_most_fifteen_iterations_from_the_last_answer()
     for (name, mut scene) in scenes() {
         scene.method.tolerance = Some(1e-5);
         scene.method.max_dofs = Some(500);
-        let run = adapt(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
         let mut last: Option<(ContactBoundary, Solution)> = None;
-        for (step, mesh) in run.progress.steps.iter().map(|s| s.layout.mesh.clone()).enumerate() {
-            let here = condensed(&scene, mesh).expect("contact");
+        for (step, here) in condensed_in_steps(&scene).into_iter().enumerate() {
             let what = format!("{name} step {step}");
             let auto = judged(&what, &here.1, interior_point(&here.1));
             let count = |solver: &str, solution: Result<Solution, ContactError>| {

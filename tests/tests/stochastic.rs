@@ -1,7 +1,6 @@
 //! Random input of scenes: exact scalings, outcomes against scenes of their own, methods against each other.
 
 use steklov_bem_operators::{Mark, PairCache, Subdivision};
-use steklov_document::Document;
 use steklov_model::run::adaptive_loop::Run;
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic};
@@ -285,10 +284,12 @@ fn the_truncation_sees_where_sticking_turns_into_slip() {
 
 #[test]
 fn methods_agree_and_samples_stay_within_their_interval() {
-    let Document { scene, source } = document("30-rough-obstacle", &[]);
-    let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
+    // four modes, on one mesh of few unknowns for all
+    let text = document("30-rough-obstacle", &[]).source.text;
+    let text = text.replace("tolerance = 5e-3", "tolerance = 2e-2").replace("modes = 6", "modes = 4");
+    let run = adapt(&parse(&text)).unwrap_or_else(|e| panic!("{e}"));
     let with = |change: &str| {
-        let text = source.text.replace("degree = 1\n", &format!("{change}\n"));
+        let text = text.replace("degree = 1\n", &format!("{change}\n"));
         on(&parse(&text), &run)
     };
     let tensor = with("degree = 2");

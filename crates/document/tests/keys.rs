@@ -346,7 +346,7 @@ fn schema_and_reader_refuse_alike_what_is_changed() {
     let mut counts: BTreeMap<(bool, bool), usize> = BTreeMap::new();
     for (name, text) in scenes() {
         let scene = json_of(&text);
-        for (path, value) in changes(&scene, &mut draw, 150) {
+        for (path, value) in changes(&scene, &mut draw, 50) {
             let mut changed = scene.clone();
             *at(&mut changed, &path) = value.clone();
             let by_schema = validator::validate(&schema, &changed);

@@ -108,14 +108,15 @@ fn larger_cells_have_one_law() {
         let own = coarse.redrawn().expect("a torus of larger cells");
         assert!(own.redrawn().is_none() && own.cells().size == coarse.cells().size);
         assert!((own.unresolved() - coarse.unresolved()).abs() < 1e-15);
-        // by means of pairs of points, a 16 × 16 rule in each cell; |c| and distances are those of cells of ¼
-        let point = |c: usize, k: usize| {
-            let along = |cell: usize, part: usize| 0.25 * (cell as f64 + (part as f64 + 0.5) / 16.0);
-            [along(c / 2, k / 16), along(c % 2, k % 16)]
-        };
+        // by means of pairs of points, a 16 × 16 rule in each cell of ¼: of the distance d there are 16 - |d| pairs along each axis
         let mean = |i: usize, j: usize| {
-            let pairs = (0..256 * 256).map(|k| (point(i, k / 256), point(j, k % 256)));
-            pairs.map(|(a, b)| covariance.on_rectangle(a[0] - b[0], a[1] - b[1])).sum::<f64>() / 256f64.powi(2)
+            let along = |a: usize, b: usize| {
+                (-15i32..=15)
+                    .map(move |d| (f64::from(16 - d.abs()), 0.25 * (a as f64 - b as f64 + f64::from(d) / 16.0)))
+            };
+            let [x, y] = [along(i / 2, j / 2), along(i % 2, j % 2)];
+            let pairs = x.flat_map(|(n, x)| y.clone().map(move |(m, y)| (n * m, x, y)));
+            pairs.map(|(n, x, y)| n * covariance.on_rectangle(x, y)).sum::<f64>() / 256f64.powi(2)
         };
         let from_first: Vec<f64> = (0..8).map(|c| mean(0, c)).collect();
         let expected = |i: usize, j: usize| from_first[(i / 2).abs_diff(j / 2) * 2 + (i % 2).abs_diff(j % 2)];
