@@ -355,7 +355,7 @@ def contact_nodes(problem):
 def check_contact(file, step, last):
     """S v + sum (D_n lambda_n n + D_t lambda_t t) = f, and the conditions of contact and friction."""
     problem, solution = step["contact_problem/problem"], step["contact_problem/solution"]
-    S, f, v = problem["stiffness"][()], problem["load"][()], solution["displacement"][()]
+    S, f, v = matrix(problem["stiffness"]), problem["load"][()], solution["displacement"][()]
     multipliers = solution["multipliers"][()]
     normal, tangent = problem["normal"][()], problem["tangent"][()]
     weight = np.column_stack([problem["normal_weight"][()], problem["tangent_weight"][()]])

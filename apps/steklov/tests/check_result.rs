@@ -29,7 +29,7 @@ const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"
 const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
 const FEW: &str = "method.max_steps=3";
 
-const KINDS: [Kind; 25] = [
+const KINDS: [Kind; 26] = [
     kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
@@ -109,17 +109,28 @@ const KINDS: [Kind; 25] = [
     kind("fem-bem", "40-transmission", &["method.estimators=true"], MEDIUM),
     kind("msfem-bem", "42-stiff-inclusion-of-random-cells", &["grid.fine=[4, 4]", "method.max_steps=2"], MEDIUM),
     kind("cut", "74-plate-with-holes", &["method.tolerance=1e-3", FEW], &["V ", "W ", "S "]),
+    kind(
+        "blocks",
+        "24-kink-in-an-element",
+        &[
+            "method.tolerance=1e-1",
+            "body.corners=[[0, 0], [8, 0], [8, 2], [0, 2]]",
+            "sides.floor.contact.gap=\"0.0016*(cos(31.4159265359*x) + 0.6*cos(11.6238928183*x + 1)) - 0.003\"",
+        ],
+        &["S ", "contact problem", "contact  "],
+    ),
     kind("medium", "65-lining-with-friction", &["method.max_steps=2"], &["V ", "S ", "contact problem"]),
 ];
 
 /// Datasets of which one entry is changed, and the kind of scene.
-const CHANGED: [(&str, &str); 19] = [
+const CHANGED: [(&str, &str); 20] = [
     ("contact", "matrices/V"),
     ("contact", "matrices/K"),
     ("contact", "matrices/W"),
     ("contact", "matrices/M/data"),
     ("contact", "contact_problem/problem/stiffness"),
     ("random-gap", "contact_problem/problem/load"),
+    ("blocks", "contact_problem/problem/stiffness/data"),
     ("coulomb", "contact_problem/solution/multipliers"),
     ("two-bodies", "matrices/body_1/S"),
     ("cut", "matrices/body_1/S"),
