@@ -143,7 +143,7 @@ impl Assembly {
         motions: &[Vec<f64>],
         rotations: &[(usize, Vec<f64>)],
     ) -> Result<Self, BemError> {
-        Self::joined(matrices, of_bodies, partition, (rows, motions, rotations), false)
+        Self::joined(matrices, of_bodies, partition, rows, motions, rotations, false)
     }
 
     /// Joins the subdomains of one body that is held, and keeps all unknowns that several of them share too, behind those of the
@@ -161,14 +161,16 @@ impl Assembly {
         of_bodies: &[(usize, Vec<usize>)],
         partition: &Partition,
     ) -> Result<Self, BemError> {
-        Self::joined(matrices, of_bodies, partition, (&[], &[], &[]), true)
+        Self::joined(matrices, of_bodies, partition, &[], &[], &[], true)
     }
 
     fn joined(
         mut matrices: Vec<Mat<f64>>,
         of_bodies: &[(usize, Vec<usize>)],
         partition: &Partition,
-        (rows, motions, rotations): (&[Relative], &[Vec<f64>], &[(usize, Vec<f64>)]),
+        rows: &[Relative],
+        motions: &[Vec<f64>],
+        rotations: &[(usize, Vec<f64>)],
         keeps_shared: bool,
     ) -> Result<Self, BemError> {
         let size = 2 * of_bodies.iter().flat_map(|(_, nodes)| nodes).max().map_or(0, |last| last + 1);
