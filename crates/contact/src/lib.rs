@@ -35,7 +35,7 @@
 //!     coefficient: 0.0,
 //! };
 //! let problem = Problem {
-//!     stiffness: Mat::from_fn(2, 2, |i, j| if i == j { 4.0 } else { 0.0 }),
+//!     stiffness: Mat::from_fn(2, 2, |i, j| if i == j { 4.0 } else { 0.0 }).into(),
 //!     load: vec![6.0, 1.5],
 //!     nodes: vec![ContactNode { first: 0, unknowns: 2, conditions: vec![wall] }],
 //! };

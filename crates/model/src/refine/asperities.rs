@@ -1,6 +1,6 @@
 //! Meshes of contact along gaps that turn: asperities of the obstacle, and valleys between them.
 
-use steklov_bem_operators::{Edge, Mark, Mesh, Piece, Subdivision};
+use steklov_bem_operators::{Edge, Mark, Mesh, Piece, SAME_PLACE, Subdivision};
 use steklov_contact::{Located, Obstacle};
 use steklov_expression::Turn;
 use steklov_problem::Scene;
@@ -47,7 +47,7 @@ impl<'a> Cuts<'a> {
     pub(crate) fn new(mesh: &Mesh, turns: &[Vec<Turn>], overlaps: &'a [Overlap]) -> Self {
         let turns_within = |e: usize| {
             let [a, b] = mesh.span[e];
-            turns[mesh.edge[e]].iter().filter(|t| (t.at - a) * (t.at - b) < 0.0).count()
+            turns[mesh.edge[e]].iter().filter(|turn| is_inside(turn, a.min(b), a.max(b))).count()
         };
         let (several, single): (Vec<&Overlap>, Vec<&Overlap>) =
             overlaps.iter().partition(|o| turns_within(o.element) > 1);
@@ -100,6 +100,11 @@ pub(crate) fn obstacles(turns: &[Vec<Turn>]) -> Vec<Obstacle> {
     turns.iter().map(of).collect()
 }
 
+/// Whether a gap turns between two vertices; one of them may be at the turn up to rounding.
+fn is_inside(turn: &Turn, start: f64, end: f64) -> bool {
+    turn.at - start > SAME_PLACE && end - turn.at > SAME_PLACE
+}
+
 /// Cuts the marked contact elements along which the gap turns twice or more: the multipliers of a degree that does not follow the
 /// gap feel contact where there is none. Those whose error is that of the gap are cut at all asperities and valleys, others
 /// at one valley.
@@ -107,7 +112,7 @@ pub(crate) fn cut_at_turns(subdivision: &mut Subdivision, turns: &[Vec<Turn>], r
     for (edge, turns) in turns.iter().enumerate() {
         let mut cuts = Vec::new();
         for piece in subdivision.edges[edge].iter_mut().filter(|p| p.mark != Mark::Keep) {
-            let inside = || turns.iter().filter(|t| piece.start < t.at && t.at < piece.end);
+            let inside = || turns.iter().filter(|turn| is_inside(turn, piece.start, piece.end));
             let off = |t: &&Turn| (t.at - (piece.start + piece.end) / 2.0).abs();
             let valley = inside().filter(|t| t.maximum).min_by(|a, b| off(a).total_cmp(&off(b)));
             let (true, Some(valley)) = (inside().count() > 1, valley) else { continue };
@@ -119,5 +124,36 @@ pub(crate) fn cut_at_turns(subdivision: &mut Subdivision, turns: &[Vec<Turn>], r
             piece.mark = Mark::Keep;
         }
         cuts.into_iter().for_each(|s| subdivision.insert(edge, s, &[], 0.0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(pieces: &[[f64; 2]], turns: &[(f64, bool)]) -> Vec<Piece> {
+        let mark = Mark::refine(false, 1.0);
+        let piece = |&[start, end]: &[f64; 2]| Piece { start, end, degree: 1, mark };
+        let mut subdivision = Subdivision { edges: vec![pieces.iter().map(piece).collect()] };
+        let turns = turns.iter().map(|&(at, maximum)| Turn { at, maximum }).collect();
+        cut_at_turns(&mut subdivision, &[turns], &|_, _| false);
+        subdivision.edges.remove(0)
+    }
+
+    /// An element from valley to valley with one asperity is not cut, and keeps its mark, though its ends are beside the valleys by
+    /// rounding: it was left alone for ever.
+    #[test]
+    fn valleys_at_the_ends_of_an_element_are_not_inside() {
+        let (a, b) = (0.92626953125, 0.948974609375);
+        let turns = [(a, true), (0.939, false), (b, true)];
+        for ends in [[a, b], [a - 3e-16, b + 3e-16], [a + 3e-16, b - 3e-16]] {
+            let pieces = after(&[[0.0, ends[0]], ends, [ends[1], 1.0]], &turns);
+            assert_eq!(pieces.len(), 3);
+            assert!(pieces.iter().all(|piece| piece.mark != Mark::Keep), "{pieces:?}");
+        }
+        // with a valley inside it is cut there instead
+        let pieces = after(&[[0.0, 1.0]], &turns);
+        assert_eq!(pieces.iter().map(|piece| piece.start).collect::<Vec<_>>(), [0.0, a]);
+        assert!(pieces.iter().all(|piece| piece.mark == Mark::Keep));
     }
 }
