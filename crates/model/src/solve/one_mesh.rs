@@ -6,7 +6,7 @@ use faer::{Col, Mat};
 use steklov_bem_operators::{Assembly, Mesh, PairCache, Partition, Relative, Space};
 use steklov_contact::ContactBoundary;
 use steklov_elastic::{RigidMotion, free_motions};
-use steklov_problem::{Multiplier, Scene};
+use steklov_problem::{Multiplier, Scene, Solver};
 
 use crate::data::body_load::Particular;
 use crate::data::joints::TiedNode;
@@ -155,6 +155,13 @@ fn add_springs(
 /// at 300, where 220 more are on cuts, and four times as fast at 2,000.
 const MANY: usize = 300;
 
+/// Whether a solver makes use of a sparse contact problem. Systems under Coulomb's law, of Newton's method and of Uzawa's are full, and
+/// smaller without the unknowns of cuts.
+fn solves_sparse(solver: Solver, boundary: Option<&ContactBoundary>) -> bool {
+    let mut conditions = boundary.iter().flat_map(|boundary| &boundary.contact).flat_map(|node| &node.conditions);
+    matches!(solver, Solver::Auto | Solver::ActiveSet) && conditions.all(|condition| condition.coefficient == 0.0)
+}
+
 /// Solves the scene on a mesh, with cuts into subdomains or as it is; `estimated`: an estimate is to follow. Moments of pairs
 /// of elements are taken from `cache` where it has them.
 ///
@@ -216,7 +223,8 @@ pub fn solve(
     let nodes = bodies.iter().map(|body| body.piece.part.nodes.clone());
     let of_bodies: Vec<(usize, Vec<usize>)> = of.into_iter().zip(nodes).collect();
     let is_held = loose.motions.is_empty() && loose.rotations.is_empty() && rows.is_empty();
-    let condensation = match partition.kept.len() > MANY && cuts.is_some() && is_held && scene.random.is_none() {
+    let is_sparse = partition.kept.len() > MANY && cuts.is_some() && is_held && scene.random.is_none();
+    let condensation = match is_sparse && solves_sparse(scene.method.solver, given.boundary.as_ref()) {
         true => Assembly::of_blocks(different, &of_bodies, &partition),
         false => Assembly::new(different, &of_bodies, &partition, &rows, &loose.motions, &loose.rotations),
     };
