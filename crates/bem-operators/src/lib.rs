@@ -85,7 +85,7 @@ mod residual;
 pub mod proptest;
 
 // the crates whose types appear in the interface
-pub use {faer, num_complex, sprs, steklov_elastic, steklov_quadrature};
+pub use {faer, num_complex, sprs, steklov_algebra, steklov_elastic, steklov_quadrature};
 
 pub use assemble::Operators;
 pub use assembly::{AssembledLoad, Assembly, Relative, order_of_rows, relative_displacement};

@@ -55,7 +55,7 @@ pub mod proptest;
 mod tests;
 
 // the crates whose types appear in the interface
-pub use {faer, steklov_bem_operators};
+pub use {faer, steklov_algebra, steklov_bem_operators};
 
 pub use error::ContactError;
 pub use on_mesh::boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Row, Share, Transfer};
