@@ -236,6 +236,13 @@ impl Problem {
                     ));
                 }
             }
+            if let (Symmetric::Sparse(s), 2) = (s, node.unknowns)
+                && s.pattern.place(node.first + 1, node.first).is_none()
+            {
+                return refuse(format!(
+                    "the sparse stiffness has no entry between the two unknowns of contact node {number}; it needs one, if only 0"
+                ));
+            }
             if let Some(what) = node.conditions.iter().find_map(|c| c.fault(node.unknowns)) {
                 return refuse(format!("contact node {number}: {what}"));
             }

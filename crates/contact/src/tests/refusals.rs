@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use proptest::prelude::*;
+use steklov_algebra::{Pattern, SparseSymmetric, Symmetric};
 
 use crate::proptest::{Friction, mixed, ordinary};
 use crate::{Condition, ContactError, ContactNode, Outcome, Problem, Start, Status, active_set, kkt, newton, uzawa};
@@ -124,6 +125,9 @@ fn sizes_and_unknowns_must_fit() {
     assert!(with(2, 2, -0.1).contains("diagonal"));
     let third = good.nodes[0].conditions[0].clone();
     assert!(change(&|p| p.nodes[0].conditions = vec![third.clone(); 3]).contains("3 conditions"));
+    let diagonal = Pattern { start: (0..=4).collect(), rows: (0..4).collect() };
+    let apart = SparseSymmetric::new(diagonal, vec![1.0; 4]).unwrap();
+    assert!(change(&|p| p.stiffness = Symmetric::Sparse(apart.clone())).contains("no entry between"));
     assert!(change(&|p| p.nodes[0].conditions[0].bound = -1.0).contains("friction bound"));
     assert!(change(&|p| p.nodes[0].conditions[0].normal = [0.0; 2]).contains("direction"));
     // an overlap at a corner in full stick: no displacement does
