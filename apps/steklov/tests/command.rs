@@ -233,7 +233,7 @@ fn overrides_of_every_type_reach_the_solver() {
 fn wrong_overrides_are_status_1() {
     let place = Place::new();
     for (set, parts) in [
-        ("method.elements=\"8\"", ["method.elements is a string", "a whole number"]),
+        ("method.elements=\"x\"", ["method.elements depends on the place", "the names in [parameters]"]),
         ("method.elements=8.5", ["method.elements is a number", "a whole number"]),
         ("method.solver=newton", ["not TOML", "text needs quotes"]),
         ("method.solver=\"newtn\"", ["not a choice", "did you mean newton?"]),

@@ -109,7 +109,7 @@ impl<'a> Field<'a> {
         match self.item.value {
             Value::Integer(n) => Ok(n as f64),
             Value::Float(v) => Ok(v),
-            _ => Err(self.wrong_type("a number without quotes")),
+            _ => Err(self.wrong_type("a number, or an expression of parameters in quotes")),
         }
     }
 

@@ -27,9 +27,9 @@ pub(super) struct Table {
 
 /// The values that a key takes.
 pub(super) enum Form {
-    /// A number without quotes.
+    /// A number, or the text of an expression of parameters.
     Number(Range),
-    /// A whole number.
+    /// A whole number, or the text of an expression of parameters.
     Whole(Whole),
     /// A text in quotes.
     Text,
@@ -37,17 +37,17 @@ pub(super) enum Form {
     Flag,
     /// The word true without quotes.
     True,
-    /// A number in this range, or the text of an expression.
+    /// A number in this range, or the text of an expression of the place, parameters and random input.
     Expression(Range),
     /// One of these words in quotes.
     Words(&'static [&'static str]),
-    /// A list of two numbers, x and y.
+    /// A list of two [`Form::Number`], x and y.
     Point,
     /// A list of values of one form, with their number; None for any number.
     List(&'static Form, Option<usize>),
     /// A table.
     Table(&'static Table),
-    /// One of several forms.
+    /// One of several forms; beside words no text is an expression.
     OneOf(&'static [Form]),
     /// The key is known, but no value of it can be solved; the reader says why.
     Refused,
@@ -106,6 +106,9 @@ pub(super) fn quoted<T: PartialEq>(choices: &[(&'static str, T)], choice: T) -> 
     format!("{word:?}")
 }
 
+/// An entry of [`Form::Point`].
+static COORDINATE: Form = Form::Number(super::keys::FINITE);
+
 impl Table {
     /// The names of its keys.
     pub(super) fn known(&self) -> impl Iterator<Item = &'static str> + Clone {
@@ -140,5 +143,28 @@ impl Form {
             Self::OneOf(forms) => forms.iter().for_each(|form| form.add(all)),
             _ => {}
         }
+    }
+
+    /// The forms of which a value has one.
+    pub(super) fn alternatives(&self) -> std::slice::Iter<'_, Form> {
+        match self {
+            Self::OneOf(forms) => forms.iter(),
+            form => std::slice::from_ref(form).iter(),
+        }
+    }
+
+    /// The form of the entries of a list.
+    pub(super) fn of_entries(&self) -> Option<&Form> {
+        match self {
+            Self::List(of, _) => Some(of),
+            Self::Point => Some(&COORDINATE),
+            _ => None,
+        }
+    }
+
+    /// Whether a value of one of these forms may be the text of an expression of parameters.
+    pub(super) fn take_expressions<'a>(mut forms: impl Iterator<Item = &'a Form> + Clone) -> bool {
+        let is_text = |form: &Form| matches!(form, Self::Text | Self::Words(_) | Self::Expression(_));
+        !forms.clone().any(is_text) && forms.any(|form| matches!(form, Self::Number(_) | Self::Whole(_)))
     }
 }

@@ -24,6 +24,7 @@ mod error;
 mod tree;
 mod form;
 mod keys;
+mod dimensions;
 mod help;
 mod schema;
 mod reference;
@@ -172,20 +173,30 @@ pub fn read(path: &Path, overrides: &[String]) -> Result<Scene, SceneError> {
 
 /// The scene of a document, checked.
 fn checked(source: &Source) -> Result<Scene, ReadError> {
-    let root = tree::build(source)?;
-    let scene = scene(&root, source)?;
+    let mut root = tree::build(source)?;
+    let parameters = match root.at(&["parameters"]) {
+        Some(item) => body::parameters(&Field { name: "parameters".to_owned(), item }, source)?,
+        None => Parameters::default(),
+    };
+    let context = Context::new(source, parameters.values.clone());
+    dimensions::evaluate(&mut root, &context)?;
+    let scene = scene(&root, source, parameters, &context.used.take())?;
     help::check_overrides(&scene, &root)?;
     scene.check()?;
     Ok(scene)
 }
 
-/// The nominal scene.
-fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
+/// The nominal scene of a tree without expressions of dimensions; these used the parameters `in_dimensions`.
+fn scene(
+    root: &Item,
+    source: &Source,
+    parameters: Parameters,
+    in_dimensions: &BTreeSet<String>,
+) -> Result<Scene, ReadError> {
     let fields = Fields::new(&Field { name: String::new(), item: root }, &keys::SCENE)?;
     let title = fields.get("title").map_or(Ok(source.name.as_str()), |t| t.text())?.to_owned();
     let units = fields.get("units").map_or_else(|| Ok(Units::default()), |f| units::units(&f))?;
-    let Parameters { values: parameters, uses: parameter_uses } =
-        fields.get("parameters").map_or_else(|| Ok(Parameters::default()), |p| body::parameters(&p, source))?;
+    let Parameters { values: parameters, uses: parameter_uses } = parameters;
     let of_body = fields.require("body", "a table [body] with corners and sides")?;
     let mut context = Context::new(source, parameters.clone());
     let of_outcomes = fields.get("stochastic");
@@ -199,7 +210,7 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     let method = method::method(fields.get("method"))?;
     let forces = problem.bodies.iter().flat_map(|body| &body.force).flatten();
     let in_body_force: BTreeSet<String> = forces.flat_map(|f| f.names().iter().cloned()).collect();
-    let used = |name: &str| [&in_material, &in_sides, &in_body_force].iter().any(|u| u.contains(name));
+    let used = |name: &str| [in_dimensions, &in_material, &in_sides, &in_body_force].iter().any(|u| u.contains(name));
     // boundary elements have the medium around a body with holes or a force as a body of its own, and with random input
     let is_random = declared.iter().any(|(name, _)| used(name));
     let separate = matches!(method.model, Model::Auto | Model::Bem)

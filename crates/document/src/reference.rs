@@ -11,7 +11,8 @@ use super::keys;
 /// ```
 pub fn reference() -> String {
     let mut page = "# Keys of scenes\n\nA scene is TOML. An *expression* is a text of x, y, s, pi, parameters and random names; where one may \
-                    stand, a number may stand too. Units are any consistent ones; everything is per unit thickness. Other keys than these \
+                    stand, a number may stand too. A *number*, also a coordinate, may be the text of an expression of parameters, as \"R/2\", \
+                    where no words may stand. Units are any consistent ones; everything is per unit thickness. Other keys than these \
                     are errors. `steklov_document::reference` makes this page from the keys that are read.\n"
         .to_owned();
     for table in keys::SCENE.all() {

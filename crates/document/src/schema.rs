@@ -81,19 +81,26 @@ fn json_of(toml: &str) -> Value {
 }
 
 fn form(form: &Form) -> Value {
+    alternative(form, Form::take_expressions(form.alternatives()))
+}
+
+/// One of several forms; `expressions`: numbers may be texts of expressions, which have no bounds.
+fn alternative(form: &Form, expressions: bool) -> Value {
+    let number = |word: &str| if expressions { json!([word, "string"]) } else { json!(word) };
     match form {
-        Form::Number(range) => bounded(json!({ "type": "number" }), range),
-        Form::Whole(range) => json!({ "type": "integer", "minimum": range.0, "maximum": range.1 }),
+        Form::Number(range) => bounded(json!({ "type": number("number") }), range),
+        Form::Whole(range) => json!({ "type": number("integer"), "minimum": range.0, "maximum": range.1 }),
         Form::Text => json!({ "type": "string" }),
         Form::Flag => json!({ "type": "boolean" }),
         Form::True => json!({ "const": true }),
-        // the bounds apply to numbers; texts have none
         Form::Expression(range) => bounded(json!({ "type": ["number", "string"] }), range),
         Form::Words(words) => json!({ "enum": words }),
         Form::Point => list(&Form::Number(keys::FINITE), Some(2)),
         Form::List(of, count) => list(of, *count),
         Form::Table(table) => reference(table),
-        Form::OneOf(forms) => json!({ "anyOf": forms.iter().map(self::form).collect::<Vec<_>>() }),
+        Form::OneOf(forms) => {
+            json!({ "anyOf": forms.iter().map(|form| alternative(form, expressions)).collect::<Vec<_>>() })
+        }
         Form::Refused => json!(false),
     }
 }

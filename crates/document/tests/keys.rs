@@ -427,6 +427,54 @@ fn a_default_that_is_written_out_changes_nothing() {
     assert!(untried.is_empty(), "no scene of this test can have {untried:?}");
 }
 
+/// A third of the numbers of all scenes, each in turn, is a multiple of a parameter: the scene is the same one. Where the schema refuses
+/// texts, as it does where words may stand, the reader refuses them too.
+#[test]
+fn numbers_may_be_expressions_of_parameters() {
+    let (schema, mut draw, mut counts) = (schema(), Draw(2), BTreeMap::<&str, usize>::new());
+    for (name, text) in scenes() {
+        let (scene, mut without) = (json_of(&text), parse(&text, &name, &[]).unwrap());
+        without.parameters.clear();
+        let without = told(without);
+        let mut all = Vec::new();
+        paths(&scene, &[], &mut all);
+        for path in all {
+            let value = at(&mut scene.clone(), &path).clone();
+            let Some(number) = value.as_f64().filter(|_| path[0] != "parameters" && draw.below(3) == 0) else {
+                continue;
+            };
+            // of powers of two the product and the quotient are exact
+            let factor = [1.0, -2.0, 0.25][draw.below(3)];
+            let text_of_number = format!("p_0/({factor})");
+            let settings =
+                [format!("parameters.p_0 = {:?}", number * factor), format!("{} = '{text_of_number}'", key_of(&path))];
+            let mut changed = scene.clone();
+            *at(&mut changed, &path) = json!(text_of_number);
+            let by_schema = validator::validate(&schema, &changed);
+            let outcome = match parse(&text, &name, &settings) {
+                Err(_) if by_schema.is_err() => "refused",
+                Err(error) => panic!("{name}: {settings:?}: {error}; {}", error.help),
+                Ok(_) if by_schema.is_err() => panic!("{name}: {settings:?}: the schema alone refuses it"),
+                Ok(mut with) => {
+                    with.parameters.clear();
+                    let with = told(with);
+                    // data keep their text, and a far field knows that it depends on names
+                    let is_of_place = with.contains(&text_of_number) || with.contains("named: true");
+                    assert!(is_of_place || with == without, "{name}: {settings:?}: {with}\n{without}");
+                    if is_of_place { "data" } else { "numbers" }
+                }
+            };
+            *counts.entry(outcome).or_default() += 1;
+        }
+    }
+    assert!(counts["numbers"] > 500 && counts["data"] > 10, "{counts:?}");
+    for key in ["marking", "gamma"] {
+        let settings = ["parameters.p_0 = 0.5".to_owned(), format!("method.{key} = 'p_0'")];
+        let error = parse(MORE[0], "scene", &settings).unwrap_err();
+        assert!(error.message.contains("is \"p_0\"") && error.help.contains("auto"), "{error}: {}", error.help);
+    }
+}
+
 #[test]
 fn the_page_of_the_keys_is_the_one_that_the_keys_make() {
     let file = folder("docs/reference/scene-keys.md");

@@ -99,7 +99,12 @@ pub const CASES: &[Case] = &[
     set(&["method.tolerance"], "method.tolerance", "not of the form KEY=VALUE", "--set method.tolerance=1e-6"),
     set(&["method.tolerance.x=1"], "x", "method.tolerance is a number and has no key x", "set method.tolerance itself"),
     set(&["body.corners.7=[1,1]"], "7", "body.corners is a list of 4 entries and has no entry 7", "from 0 to 3"),
-    set(&["method.elements=4", "method.elements=\"x\""], "\"x\"", "method.elements is a string", "a whole number"),
+    set(
+        &["method.elements=4", "method.elements=\"x\""],
+        "\"x\"",
+        "method.elements depends on the place",
+        "the names in [parameters]",
+    ),
     // A key at a wrong place is told where it belongs.
     set(&["tolerance=1e-6"], "tolerance", "unknown key tolerance", "did you mean method.tolerance?"),
     set(&["tolerence=1e-6"], "tolerence", "unknown key tolerence", "did you mean method.tolerance?"),
