@@ -32,7 +32,7 @@ use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::run::expect::check_expect;
 use steklov_model::stochastic::OutcomeStage;
 use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
-use steklov_plan::{Plan, largest_mesh, plan, plan_with_mesh, without_memory};
+use steklov_plan::{Plan, explain, largest_mesh, plan, plan_with_mesh, refused, too_large_basis, without_memory};
 use steklov_problem::{Refine, grid_of, moduli};
 use steklov_report::summary::expectation;
 use steklov_report::told::{advice, crossing_warning};
@@ -46,7 +46,6 @@ use self::failure::{Failure, say};
 use self::output::{appeared, check_folder, check_output};
 use self::told::{TableFormat, cautions, say_result};
 use self::view::{ViewArgs, check_window};
-use crate::explain::{explain, too_large_basis, too_many_dofs, too_many_points, too_much_memory};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
 const WRONG: u8 = 1;
@@ -271,10 +270,8 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     }
     check_expect(scene).map_err(|e| Failure(document.error(e).render()))?;
     let (plan, layout) = plan_with_mesh(scene);
-    let refused = too_many_dofs(scene, plan.cost.dofs)
-        .or_else(|| too_much_memory(scene, plan.cost.memory_bytes))
-        .or_else(|| too_many_points(scene))
-        .or_else(|| too_large_basis(scene).filter(|_| args.saved().contains(&Saved::Basis)));
+    let refused =
+        refused(scene, &plan.cost).or_else(|| too_large_basis(scene).filter(|_| args.saved().contains(&Saved::Basis)));
     if let Some(error) = refused {
         return Err(Failure(document.error(error).render()));
     }

@@ -30,5 +30,4 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod explain;
 pub mod cli;

@@ -21,8 +21,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod explain;
 mod grid;
 mod random;
+mod refuse;
 mod supports;
 
 // the crates whose types appear in the interface
@@ -80,7 +82,9 @@ pub struct Cost {
     pub operations: f64,
 }
 
+pub use explain::explain;
 pub use random::points;
+pub use refuse::{refused, too_large_basis, too_many_dofs};
 
 /// Chooses the model of a scene.
 pub fn plan(scene: &Scene) -> Plan {

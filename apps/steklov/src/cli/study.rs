@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use steklov_document::Document;
 use steklov_io::{IoError, create_atomically};
 use steklov_picture as picture;
-use steklov_plan::plan;
+use steklov_plan::{plan, too_many_dofs};
 use steklov_problem::{DataError, Scene};
 use steklov_report::format::csv_table;
 use steklov_study::convergence::{self, Chosen, MULTIPLIERS, NAMES};
@@ -19,7 +19,6 @@ use steklov_study::{Draw, Options, Report, StudyError, StudyKind, Watch, contact
 
 use super::told::TableFormat;
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
-use crate::explain::too_many_dofs;
 
 #[derive(Args)]
 pub(super) struct StudyArgs {

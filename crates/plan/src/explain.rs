@@ -1,14 +1,13 @@
-//! Errors of the solver, told with the text of the scene that causes them.
+//! Errors of the solver, told with the keys of the scene that cause them.
 
 use steklov_bem_operators::BemError;
 use steklov_contact::{ContactError, LEAST_GAMMA};
 use steklov_coupling::{CouplingError, Radiation};
 use steklov_expression::Expression;
 use steklov_model::error::SolveError;
-use steklov_model::summary::available_memory_bytes;
 use steklov_msfem::MsfemError;
 use steklov_problem::DataErrorKind::{Conflict, Geometry, Unsupported, Value};
-use steklov_problem::{Condition, Contact, DataError, DataErrorKind, Friction, Model, Sampling, Scene};
+use steklov_problem::{Condition, Contact, DataError, DataErrorKind, Friction, Scene};
 use steklov_stochastic::StochasticError;
 
 /// What is told of an error: its sort, the keys of the scene that it is about, and the remedy.
@@ -18,8 +17,11 @@ fn blame<'a>(kind: DataErrorKind, keys: &[&[&'a str]], help: &str) -> Blame<'a> 
     (kind, keys.iter().map(|path| path.to_vec()).collect(), help.to_owned())
 }
 
-/// The error with the keys of the scene that it is about; `Err` gives it back if the scene is not to blame.
-pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<DataError, SolveError> {
+/// The error with the keys of the scene that it is about, and the remedy.
+///
+/// # Errors
+/// The error itself, if the scene is not to blame: it was interrupted, or its observer failed.
+pub fn explain(scene: &Scene, error: SolveError) -> Result<DataError, SolveError> {
     let (kind, keys, help) = match &error {
         SolveError::Data(error) => return Ok((**error).clone()),
         SolveError::Observer(_) | SolveError::Interrupted | SolveError::Outcome { .. } => return Err(error),
@@ -217,92 +219,6 @@ fn pulls_off(scene: &Scene, motion: impl Fn([f64; 2]) -> [f64; 2]) -> bool {
 /// Whether the medium around a body or a hole resists all rigid motions.
 fn is_held_by_medium(scene: &Scene) -> bool {
     scene.problem.radiation_of_medium() == Some(Radiation::Decaying)
-}
-
-/// The refusal of a first mesh that is larger than the scene allows; none if it is not.
-pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> Option<DataError> {
-    if dofs <= scene.method.max_dofs() {
-        return None;
-    }
-    let message = format!("the first mesh has {dofs} dofs, more than method.max_dofs = {}", scene.method.max_dofs());
-    let (keys, help) = match scene.model() {
-        Model::Fem | Model::FemBem => (
-            vec![vec!["method", "max_dofs"], vec!["grid"]],
-            "set method.max_dofs higher, take fewer cells, or model = \"msfem\", whose unknowns are those of the coarse cells",
-        ),
-        Model::Msfem | Model::MsfemBem => {
-            (vec![vec!["method", "max_dofs"], vec!["grid"]], "set method.max_dofs higher, or take fewer coarse cells")
-        }
-        _ => (
-            vec![
-                vec!["method", "max_dofs"],
-                vec!["method", "elements"],
-                vec!["method", "degree"],
-                vec!["body", "corners"],
-            ],
-            "allow more dofs, or ask for fewer elements or a lower degree",
-        ),
-    };
-    let message = if scene.is_on_grid() { message.replace("first mesh", "first grid") } else { message };
-    Some(DataError::at(Value, &keys, message, help))
-}
-
-/// The refusal of a first mesh or a grid that does not fit into the memory that is left; none if it does, or the system does not tell.
-pub(crate) fn too_much_memory(scene: &Scene, needed: u64) -> Option<DataError> {
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-    if let Some(left) = scene.method.memory.filter(|left| needed > *left) {
-        let message =
-            format!("the first mesh needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(left));
-        let keys = [vec!["method", "elements"], vec!["method", "degree"], vec!["body", "corners"]];
-        let help = "ask for fewer elements or a lower degree; with method.max_dofs given it is tried all the same";
-        return Some(DataError::at(Value, &keys, message, help));
-    }
-    let available = available_memory_bytes().filter(|bytes| scene.body().grid.is_some() && needed > *bytes)?;
-    let message =
-        format!("the grid needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(available));
-    let help = "take fewer cells; or model = \"msfem\" with coarse cells of some 16 by 16 fine ones, which are solved one by one";
-    Some(DataError::at(Value, &[vec!["grid"]], message, help))
-}
-
-/// Bytes that storing the basis of a grid takes for each fine unknown: its rows of K and P, and copies on their way into the file.
-const STORED: u64 = 1000;
-
-/// The refusal of a basis that cannot be stored; none if it can, or the system does not tell.
-pub(crate) fn too_large_basis(scene: &Scene) -> Option<DataError> {
-    let grid = scene.body().grid.as_ref().filter(|_| scene.is_multiscale())?;
-    let needed = 2 * STORED * grid.cells().iter().map(|n| *n as u64).product::<u64>();
-    let available = available_memory_bytes().filter(|bytes| needed > *bytes)?;
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-    let message =
-        format!("--save basis needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(available));
-    Some(DataError::at(Value, &[vec!["grid"]], message, "take fewer cells, or leave basis out of --save"))
-}
-
-/// The refusal of more stochastic nodes than are allowed; none if there are fewer.
-pub(crate) fn too_many_points(scene: &Scene) -> Option<DataError> {
-    let random = scene.random.as_ref()?;
-    let (count, most) = (steklov_plan::points(scene, random), random.stochastic.max_nodes);
-    if random.stochastic.method == Sampling::MonteCarlo || count <= most as f64 {
-        return None;
-    }
-    let count = match count {
-        f64::INFINITY => "far too many".to_owned(),
-        count if count < 1e15 => count.to_string(),
-        count => format!("{count:e}"),
-    };
-    let germs = random.germs.len();
-    let message = format!("{germs} germ(s) make {count} stochastic nodes, more than stochastic.max_nodes = {most}");
-    let (keys, help) = match random.stochastic.method {
-        Sampling::Sparse => {
-            (["max_nodes", "level"], "take a lower level, fewer modes, method = \"monte-carlo\", or allow more nodes")
-        }
-        _ => (
-            ["max_nodes", "degree"],
-            "take a lower degree, fewer modes, method = \"sparse\" or \"monte-carlo\", or allow more nodes",
-        ),
-    };
-    let keys = keys.map(|key| vec!["stochastic", key]);
-    Some(DataError::at(Value, &[&keys[..], &[vec!["stochastic"], vec!["random"]]].concat(), message, help))
 }
 
 /// Keys of the friction bounds and coefficients.
