@@ -10,6 +10,7 @@ mod report;
 mod scenes;
 mod show;
 mod study;
+mod sweep;
 mod told;
 mod view;
 
@@ -72,6 +73,12 @@ enum Command {
     /// Study a scene: strategies of refinement compared by true errors, or where such methods could fail
     #[command(after_help = help::STUDY)]
     Study(study::StudyArgs),
+    /// Solve a scene at many values of its keys, several at once
+    #[command(after_help = help::SWEEP)]
+    Sweep(sweep::SweepArgs),
+    /// Join the files of parts of a sweep
+    #[command(after_help = help::MERGE)]
+    Merge(sweep::MergeArgs),
     /// Make the figures of the source again, each judged, as one page
     #[command(after_help = help::GALLERY)]
     Gallery(gallery::GalleryArgs),
@@ -194,6 +201,8 @@ impl Cli {
             Command::Solve(args) => on_threads(args.threads, args.quiet, || solve_scene(&args)),
             Command::Plan(args) => show_plan(&args),
             Command::Study(args) => on_threads(args.threads, args.quiet, || study::study(&args)),
+            Command::Sweep(args) => on_threads(args.threads, args.quiet, || sweep::sweep(&args)),
+            Command::Merge(args) => sweep::merge(&args),
             Command::Gallery(args) => on_threads(args.threads, args.quiet, || gallery::gallery(&args)),
             Command::Show(args) => show::show(&args),
             Command::Report(args) => report::report(&args),
@@ -278,7 +287,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     if !args.quiet {
         cautions(scene).iter().for_each(|text| eprintln!("warning: {text}"));
     }
-    let interrupts = interrupts(args.quiet)?;
+    let interrupts = interrupts(args.quiet, STEP)?;
     let bar = Bar::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
     let old = old_result(&out, args.resume)?;
@@ -413,18 +422,24 @@ fn unchanged(old: &File, out: &Path, steps: usize, quiet: bool) -> Result<Record
     Ok(stored)
 }
 
-/// Counts the user's wishes to stop.
-fn interrupts(quiet: bool) -> Result<Arc<AtomicUsize>, Failure> {
+/// Counts the user's wishes to stop; `what` is finished after the first.
+fn interrupts(quiet: bool, what: &'static str) -> Result<Arc<AtomicUsize>, Failure> {
     let interrupts = Arc::new(AtomicUsize::new(0));
     let presses = Arc::clone(&interrupts);
     ctrlc::set_handler(move || {
         let before = presses.fetch_add(1, Ordering::Relaxed);
         if !quiet {
-            eprintln!("{}", if before == 0 { "finishing this step; again to stop at once" } else { "stopping" });
+            match before {
+                0 => eprintln!("finishing {what}; again to stop at once"),
+                _ => eprintln!("stopping"),
+            }
         }
     })?;
     Ok(interrupts)
 }
+
+/// What a run finishes before it stops.
+const STEP: &str = "this step";
 
 /// An error of the solver, told with the text of the scene that causes it.
 fn explained(document: &Document, error: SolveError) -> Failure {

@@ -47,6 +47,7 @@ mod study_settings;
 mod study_solvers;
 mod study_stability;
 mod study_stochastic;
+mod sweep;
 mod told_truly;
 mod vertices;
 mod view;

@@ -41,7 +41,7 @@ pub mod stage;
 pub mod stochastic;
 pub mod summary;
 
-pub use solve_scene::{Answer, solve};
+pub use solve_scene::{Answer, Told, Watch, solve, solve_watched};
 
 /// The items that a program needs to make a scene and solve it.
 pub mod prelude {

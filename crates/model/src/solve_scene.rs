@@ -6,10 +6,11 @@ use steklov_problem::Scene;
 
 use crate::error::SolveError;
 use crate::grid::OnGrid;
-use crate::run::adaptive_loop::{Model, Progress, Run, run};
+use crate::run::adaptive_loop::{Event, Model, Progress, Run, run};
 use crate::run::answer::answer;
 use crate::run::boundary_elements::BoundaryElements;
 use crate::solve::contact_rows::{ContactRow, contact_rows};
+use crate::stage::Stage;
 use crate::stochastic::StochasticResult;
 use crate::summary::Summary;
 
@@ -46,16 +47,46 @@ impl Answer {
 /// [`SolveError::Data`] of what [`Scene::check`] finds, or of an outcome that is impossible; those of
 /// [`run`](crate::run::adaptive_loop::run).
 pub fn solve(scene: &Scene) -> Result<Answer, SolveError> {
+    solve_watched(scene, &Watch { interrupts: &AtomicUsize::new(0), tell: &|_| {} })
+}
+
+/// How a program stops a run and sees how far it is.
+pub struct Watch<'a> {
+    /// Counts the wishes to stop: after one the step that runs is finished and its answer given, after two the run ends at once.
+    pub interrupts: &'a AtomicUsize,
+    /// Gets what is done at the moment.
+    pub tell: &'a (dyn Fn(Told) + Sync),
+}
+
+/// What a run is doing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Told {
+    /// A step of the loop, its number from 0, the word of its part, and the share of the step that is done.
+    Step(usize, &'static str, f64),
+    /// Outcomes of random input: those that are solved, and how many there will be.
+    Outcomes(usize, usize),
+}
+
+/// As [`solve`], watched.
+///
+/// # Errors
+/// As [`solve`]; [`SolveError::Interrupted`] if it was stopped before there was anything to tell.
+pub fn solve_watched(scene: &Scene, watch: &Watch<'_>) -> Result<Answer, SolveError> {
     scene.check()?;
     match scene.is_on_grid() {
-        true => solve_from(scene, Progress::<OnGrid>::new(scene, Vec::new())?),
-        false => solve_from(scene, Progress::<BoundaryElements>::first(scene)),
+        true => solve_from(scene, Progress::<OnGrid>::new(scene, Vec::new())?, watch),
+        false => solve_from(scene, Progress::<BoundaryElements>::first(scene), watch),
     }
 }
 
-fn solve_from<M: Model>(scene: &Scene, first: Progress<M>) -> Result<Answer, SolveError> {
-    let never = AtomicUsize::new(0);
-    let mut run = run(scene, first, &never, &mut |_, _| Ok(()))?;
-    let outcomes = M::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))?;
+fn solve_from<M: Model>(scene: &Scene, first: Progress<M>, watch: &Watch<'_>) -> Result<Answer, SolveError> {
+    let mut run = run(scene, first, watch.interrupts, &mut |step, event| {
+        if let Event::Stage(Stage::Progress(what, share)) = event {
+            (watch.tell)(Told::Step(step, what, share));
+        }
+        Ok(())
+    })?;
+    let tell = |done, count| (watch.tell)(Told::Outcomes(done, count));
+    let outcomes = M::outcomes(scene, &mut run, watch.interrupts, &tell, &mut |_| Ok(()))?;
     Ok(Answer::of_run(scene, &run, outcomes))
 }

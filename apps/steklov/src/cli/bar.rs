@@ -25,7 +25,7 @@ impl Bar {
     pub(super) fn new(quiet: bool) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(100), ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{elapsed:>4} {bar:30} step {prefix} {msg}");
+            let style = ProgressStyle::with_template("{elapsed:>4} {bar:30} {prefix}{msg}");
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
@@ -35,7 +35,7 @@ impl Bar {
     pub(super) fn show(&self, step: usize, stage: &Stage<'_>) {
         let Stage::Progress(what, share) = stage else { return };
         if let Some(bar) = &self.bar {
-            bar.set_prefix((step + 1).to_string());
+            bar.set_prefix(format!("step {} ", step + 1));
             bar.set_message(*what);
             bar.set_position((100.0 * share) as u64);
         } else {
@@ -49,6 +49,18 @@ impl Bar {
             bar.set_position((100 * done / count.max(1)) as u64);
         } else {
             self.tell(|| format!("outcomes {done} of {count}"));
+        }
+    }
+
+    /// Points of a sweep, with the time that is left.
+    pub(super) fn points(&self, done: usize, count: usize) {
+        let left = self.start.elapsed().as_secs_f64() * (count - done) as f64 / done.max(1) as f64;
+        let text = || format!("points {done} of {count}, {left:.0} s left");
+        if let Some(bar) = &self.bar {
+            bar.set_message(text());
+            bar.set_position((100 * done / count.max(1)) as u64);
+        } else {
+            self.tell(text);
         }
     }
 

@@ -6,7 +6,7 @@ use clap::Args;
 use steklov_study::Watch;
 
 use super::study::{Bar, check_folder};
-use super::{Failure, NOT_REACHED, interrupts, say};
+use super::{Failure, NOT_REACHED, STEP, interrupts, say};
 
 #[derive(Args)]
 pub(super) struct GalleryArgs {
@@ -31,7 +31,7 @@ pub(super) struct GalleryArgs {
 pub(super) fn gallery(args: &GalleryArgs) -> Result<u8, Failure> {
     steklov_gallery::check(&args.only)?;
     check_folder(&args.out, args.force)?;
-    let stop = interrupts(args.quiet)?;
+    let stop = interrupts(args.quiet, STEP)?;
     let bar = Bar::new(args.quiet, steklov_gallery::number_of_runs(&args.only));
     let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
     let gallery = steklov_gallery::make(&args.only, &mut Watch::new(&stop, tell))?;

@@ -11,6 +11,33 @@ Exit status: 0 solved, or done; 1 the scene or a file is wrong, or the problem h
 entry of [expect] is not met, or the run was interrupted. Messages go to stderr, results to stdout.
 steklov help COMMAND has examples of each command.";
 
+pub(super) const SWEEP: &str = "\
+Examples:
+  steklov new > block.toml
+  steklov sweep block.toml --vary parameters.load=1:3:5 --plots pictures
+  steklov sweep block.toml --vary parameters.load=1:3:5 --vary material.poisson=0.2,0.3 --out both.h5
+  steklov sweep block.toml --vary parameters.load=1:3:5 --part 1/2 --out first.h5
+  steklov sweep block.toml --vary parameters.load=1:3:5 --part 2/2 --out second.h5
+  steklov merge first.h5 second.h5 --out whole.h5
+
+Each point is what `steklov solve` gives with --set KEY=VALUE, to the same bits. A sweep that is stopped, killed
+or out of disk keeps its finished points: --resume goes on.
+
+Exit status: 0 all points are solved; 1 the scene or a file is wrong; 2 the arguments are wrong;
+3 a point failed or did not reach its aim, or the sweep was interrupted: the table says which.";
+
+pub(super) const MERGE: &str = "\
+Examples:
+  steklov new > block.toml
+  steklov sweep block.toml --vary parameters.load=1:3:5 --part 1/2 --out first.h5
+  steklov sweep block.toml --vary parameters.load=1:3:5 --part 2/2 --out second.h5
+  steklov merge first.h5 second.h5 --out whole.h5
+
+The whole has the same bits as one sweep over all points.
+
+Exit status: 0 joined, all points are solved; 1 a file is wrong, or of another sweep; 2 the arguments
+are wrong; 3 joined, but a point failed, did not reach its aim, or is missing.";
+
 pub(super) const SOLVE: &str = "\
 Examples:
   steklov new > block.toml

@@ -18,7 +18,7 @@ use steklov_study::convergence::{self, Chosen, MULTIPLIERS, NAMES};
 use steklov_study::{Draw, Options, Report, StudyError, StudyKind, Watch, contact_sides, stability};
 
 use super::told::TableFormat;
-use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
+use super::{Failure, NOT_REACHED, STEP, explained, interrupts, read_scene, say, stem};
 
 #[derive(Args)]
 pub(super) struct StudyArgs {
@@ -147,7 +147,7 @@ fn carry_out(args: &StudyArgs, document: &Document, options: Options) -> Result<
     let refused = |error: DataError| Failure(document.error(error).render());
     let parts = args.what.parts(&document.scene, &options).map_err(refused)?;
     let out = folder(args, document)?;
-    let stop = interrupts(args.quiet)?;
+    let stop = interrupts(args.quiet, STEP)?;
     let bar = Bar::new(args.quiet, parts);
     let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
     let told = |report: &Report<'_>, pictures: Draw<'_>| {
