@@ -39,6 +39,11 @@ mod probe;
 mod random;
 mod random_field;
 mod grid;
+#[cfg(feature = "hdf5")]
+mod table_file;
+#[cfg(not(feature = "hdf5"))]
+#[path = "no_table_file.rs"]
+mod table_file;
 mod exterior;
 mod units;
 mod foreign;
