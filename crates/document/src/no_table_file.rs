@@ -13,6 +13,7 @@ pub(super) fn from_file(
     _: &Source,
 ) -> Result<CellModuli, ReadError> {
     let message = format!("{} names an HDF5 file, and this build reads none", file.name);
-    let help = "write an expression or { uniform = [low, high], seed = 1 }, or solve the scene by the command `steklov`";
+    let help =
+        "write an expression or { uniform = [low, high], seed = 1 }, or solve the scene by the command `steklov`";
     Err(ReadError::new(DataErrorKind::Unsupported, file.item.place, message, help))
 }
