@@ -1,6 +1,7 @@
 //! Arguments, messages and exit statuses of the command.
 
 mod bar;
+mod compare;
 mod failure;
 mod gallery;
 mod help;
@@ -76,6 +77,9 @@ enum Command {
     /// Solve a scene at many values of its keys, several at once
     #[command(after_help = help::SWEEP)]
     Sweep(sweep::SweepArgs),
+    /// Compare two results: a table of all numbers, pictures of both
+    #[command(after_help = help::COMPARE)]
+    Compare(compare::CompareArgs),
     /// Join the files of parts of a sweep
     #[command(after_help = help::MERGE)]
     Merge(sweep::MergeArgs),
@@ -202,6 +206,7 @@ impl Cli {
             Command::Plan(args) => show_plan(&args),
             Command::Study(args) => on_threads(args.threads, args.quiet, || study::study(&args)),
             Command::Sweep(args) => on_threads(args.threads, args.quiet, || sweep::sweep(&args)),
+            Command::Compare(args) => compare::compare(&args),
             Command::Merge(args) => sweep::merge(&args),
             Command::Gallery(args) => on_threads(args.threads, args.quiet, || gallery::gallery(&args)),
             Command::Show(args) => show::show(&args),

@@ -5,6 +5,7 @@ mod broken_command;
 mod broken_scenes;
 mod check_result;
 mod command;
+mod compare;
 mod coupled_output;
 mod coupled_scenes;
 mod cut_scenes;

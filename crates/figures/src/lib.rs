@@ -36,6 +36,7 @@
 // the crates whose types are in the interface
 pub use {steklov_picture, steklov_result};
 
+mod beside;
 mod draw;
 mod factor;
 mod meshes;
@@ -44,6 +45,7 @@ mod probe;
 pub mod stochastic;
 mod view;
 
+pub use beside::beside;
 pub use draw::{contact_pictures, drawn, obstacles, pictures, positions, side_file, tables};
 pub use factor::largest_factor;
 pub use grid::{Difference, difference, difference_picture};

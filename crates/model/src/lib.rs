@@ -33,6 +33,7 @@ pub mod estimate;
 pub mod estimators;
 pub mod grid;
 pub mod mesh;
+pub mod numbers;
 pub mod refine;
 pub mod run;
 pub mod solve;

@@ -45,6 +45,7 @@
 pub use {steklov_io, steklov_result};
 
 mod body;
+pub mod compare;
 mod contact;
 mod convergence;
 pub mod format;

@@ -26,6 +26,15 @@ or out of disk keeps its finished points: --resume goes on.
 Exit status: 0 all points are solved; 1 the scene or a file is wrong; 2 the arguments are wrong;
 3 a point failed or did not reach its aim, or the sweep was interrupted: the table says which.";
 
+pub(super) const COMPARE: &str = "\
+Examples:
+  steklov new > block.toml
+  steklov solve block.toml --out coarse.vtkhdf
+  steklov solve block.toml --out fine.vtkhdf --set method.tolerance=1e-5
+  steklov compare coarse.vtkhdf fine.vtkhdf --plots both
+
+Exit status: 0 compared; 1 a file is wrong; 2 the arguments are wrong.";
+
 pub(super) const MERGE: &str = "\
 Examples:
   steklov new > block.toml
