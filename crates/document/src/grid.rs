@@ -8,7 +8,8 @@ use steklov_problem::{
 
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
-use super::form::Table;
+use super::form::{Range, Table};
+use super::image::from_image;
 use super::keys;
 use super::source::Source;
 use super::table_file::from_file;
@@ -92,6 +93,12 @@ fn table(
         }
         None => Ok(()),
     };
+    if let Some(image) = table.get("image") {
+        let range = if std::ptr::eq(entries, &raw const keys::RATIOS) { &keys::RATIO } else { &keys::POSITIVE };
+        return of_image(&image, (&table, range), (cells, size), source);
+    }
+    beside("low", "image")?;
+    beside("high", "image")?;
     match (table.get("uniform"), table.get("file")) {
         (Some(uniform), None) => {
             beside("dataset", "file")?;
@@ -120,9 +127,32 @@ fn table(
             Err(ReadError::new(DataErrorKind::Conflict, file.item.place, message, "keep one of the two"))
         }
         (None, None) => {
-            let message = format!("{} has neither uniform nor file", young.name);
-            let help = "write { uniform = [low, high], seed = 1 } or { file = \"young.h5\", dataset = \"/young\" }";
+            let message = format!("{} has none of uniform, file and image", young.name);
+            let help = "write { uniform = [low, high], seed = 1 }, { file = \"young.h5\", dataset = \"/young\" } or \
+                        { image = \"young.png\", low = 1, high = 10 }";
             Err(ReadError::new(Kind::MissingKey, young.item.place, message, help))
         }
     }
+}
+
+/// The numbers of an image, beside which nothing else may stand.
+fn of_image(
+    image: &Field<'_>,
+    (table, range): (&Fields<'_>, &Range),
+    (cells, size): (Option<[usize; 2]>, f64),
+    source: &Source,
+) -> Result<CellModuli, ReadError> {
+    for key in ["uniform", "seed", "file", "dataset", "order"] {
+        if let Some(other) = table.get(key) {
+            let message = format!("{} stands beside {}", other.name, image.name);
+            return Err(ReadError::new(DataErrorKind::Conflict, other.item.place, message, "keep one of the two"));
+        }
+    }
+    let ends = ["low", "high"].map(|key| {
+        let field =
+            table.require(key, &format!("{key} = the number of {}", if key == "low" { "black" } else { "white" }))?;
+        field.number_in(range)
+    });
+    let [low, high] = ends;
+    from_image(image, [low?, high?], (cells, size), source)
 }

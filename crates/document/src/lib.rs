@@ -39,6 +39,7 @@ mod probe;
 mod random;
 mod random_field;
 mod grid;
+mod image;
 #[cfg(feature = "hdf5")]
 mod table_file;
 #[cfg(not(feature = "hdf5"))]

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use steklov_document::steklov_problem::{DataErrorKind, Scene};
+use steklov_document::steklov_problem::{self, DataErrorKind, Scene};
 use steklov_document::{SceneError, SceneErrorKind, TEMPLATE, parse, reference, schema};
 
 /// Scenes with the keys that no scene of the gallery has.
@@ -204,7 +204,7 @@ fn scenes() -> Vec<(String, String)> {
 }
 
 /// Scenes whose moduli, or Poisson's ratios, are in a file, and one of seeded ratios.
-fn of_a_file() -> [(String, String); 3] {
+fn of_a_file() -> [(String, String); 5] {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let label = steklov_io::label("stress", "Young's modulus", &["row", "column"]);
     let young = faer::Mat::from_fn(2, 2, |i, j| 1.0 + (2 * i + j) as f64);
@@ -219,8 +219,50 @@ fn of_a_file() -> [(String, String); 3] {
         MORE[6].replace("{ uniform = [1, 2] }", &of("young")),
         MORE[7].replace("{ uniform = [0.1, 0.2] }", &of("ratios")),
         MORE[7].replace("[0.1, 0.2] }", "[0.1, 0.2], seed = 2 }"),
+        MORE[6].replace("{ uniform = [1, 2] }", "{ image = \"grey.png\", low = 1, high = 6 }"),
+        MORE[7].replace("{ uniform = [0.1, 0.2] }", "{ image = \"grey.png\", low = 0.4, high = 0.2 }"),
     ];
+    write_png(&folder.join("grey.png"), png::ColorType::Grayscale, 2, &GREY);
     texts.map(|text| (folder.join("scene.toml").display().to_string(), text))
+}
+
+/// Grey levels of two rows of two pixels, the upper one first.
+const GREY: [u8; 4] = [0, 255, 51, 102];
+
+fn write_png(path: &Path, colours: png::ColorType, columns: u32, bytes: &[u8]) {
+    let mut encoder = png::Encoder::new(std::fs::File::create(path).unwrap(), columns, 2);
+    encoder.set_color(colours);
+    encoder.write_header().unwrap().write_image_data(bytes).unwrap();
+}
+
+#[test]
+fn an_image_lies_as_it_is_seen_and_what_is_none_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    write_png(&folder.path().join("grey.png"), png::ColorType::Grayscale, 2, &GREY);
+    write_png(&folder.path().join("wide.png"), png::ColorType::Grayscale, 4, &[GREY, GREY].concat());
+    write_png(&folder.path().join("colour.png"), png::ColorType::Rgb, 2, &[GREY, GREY, GREY].concat());
+    std::fs::write(folder.path().join("none.png"), "none").unwrap();
+    let name = folder.path().join("scene.toml").display().to_string();
+    let read = |value: &str| parse(&MORE[6].replace("{ uniform = [1, 2] }", value), &name, &[]);
+    let scene = read("{ image = \"grey.png\", low = 1, high = 6 }").unwrap();
+    let grid = steklov_problem::grid_of(&scene).unwrap();
+    // cells from the lower left, upwards first; 51 and 102 of 255 are 1/5 and 2/5 of the way from 1 to 6
+    let moduli = steklov_problem::moduli(&scene, &grid).unwrap();
+    let expected = [2.0, 1.0, 3.0, 6.0];
+    assert!(moduli.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{moduli:?}");
+    for (value, told) in [
+        ("{ image = \"wide.png\", low = 1, high = 2 }", "4 by 2 pixels for 2 by 2 cells"),
+        ("{ image = \"colour.png\", low = 1, high = 2 }", "it has colours"),
+        ("{ image = \"none.png\", low = 1, high = 2 }", "none.png: "),
+        ("{ image = \"nix.png\", low = 1, high = 2 }", "nix.png: "),
+        ("{ image = \"grey.png\", low = 1 }", "high is missing"),
+        ("{ image = \"grey.png\", low = 0, high = 2 }", "low is 0"),
+        ("{ image = \"grey.png\", low = 1, high = 2, seed = 1 }", "stands beside"),
+        ("{ uniform = [1, 2], low = 1 }", "stands without image"),
+    ] {
+        let error = read(value).unwrap_err();
+        assert!(error.message.contains(told), "{value}: {error}");
+    }
 }
 
 fn json_of(text: &str) -> Value {

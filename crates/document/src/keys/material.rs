@@ -53,21 +53,24 @@ pub(crate) static CELLS: Table = table(
 
 pub(crate) static RATIOS: Table = table(
     "material.cells.poisson",
-    "Poisson's ratios that are drawn at random, by uniform and seed, or read from a file, by file, dataset and order.",
+    "Poisson's ratios that are drawn at random, by uniform and seed, or read from a file, by file, dataset and order, or from a picture, by image, low and high.",
     &[
         key("uniform", List(&Form::Number(RATIO), Some(2)), "", "The lowest and the highest ratio.")
-            .without("required without `file`"),
+            .without("required without `file` and `image`"),
         CELL_SEED,
         CELL_FILE,
         CELL_DATASET,
         CELL_ORDER,
+        CELL_IMAGE,
+        key("low", Form::Number(RATIO), "", "Ratio of black, of an image.").without("required with `image`"),
+        key("high", Form::Number(RATIO), "", "Ratio of white.").without("required with `image`"),
     ],
 );
 
 const CELL_SEED: Key =
     key("seed", Form::Whole(NATURAL), "", "Seed of the random numbers of `uniform`.").or(|| "0".to_owned());
 const CELL_FILE: Key = key("file", Text, "", "An HDF5 file, by its path from the folder of the scene.")
-    .without("required without `uniform`");
+    .without("required without `uniform` and `image`");
 const CELL_DATASET: Key = key("dataset", Text, "", "Name of the array in the file.").without("required with `file`");
 const CELL_ORDER: Key = key(
     "order",
@@ -77,15 +80,26 @@ const CELL_ORDER: Key = key(
 )
 .without("what the attribute `axes` of the array says, else xy");
 
+const CELL_IMAGE: Key = key(
+    "image",
+    Text,
+    "",
+    "A PNG of grey levels, by its path from the folder of the scene: a pixel for each cell, as it is seen, its first row on top.",
+)
+.without("required without `uniform` and `file`");
+
 pub(crate) static MODULI: Table = table(
     "material.cells.young",
-    "Moduli that are drawn at random, by uniform and seed, or read from a file, by file, dataset and order.",
+    "Moduli that are drawn at random, by uniform and seed, or read from a file, by file, dataset and order, or from a picture, by image, low and high.",
     &[
         key("uniform", List(&Form::Number(POSITIVE), Some(2)), "stress", "The lowest and the highest modulus.")
-            .without("required without `file`"),
+            .without("required without `file` and `image`"),
         CELL_SEED,
         CELL_FILE,
         CELL_DATASET,
         CELL_ORDER,
+        CELL_IMAGE,
+        key("low", Form::Number(POSITIVE), "stress", "Modulus of black, of an image.").without("required with `image`"),
+        key("high", Form::Number(POSITIVE), "stress", "Modulus of white.").without("required with `image`"),
     ],
 );

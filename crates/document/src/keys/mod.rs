@@ -36,7 +36,7 @@ pub(super) const SMOOTHNESS: Range =
 pub(super) const NOT_NEGATIVE: Range =
     Range { low: 0.0, high: INF, closed: [true, false], wanted: "finite and not negative" };
 /// Poisson's ratios.
-const RATIO: Range = Range::open(-1.0, 0.5, "above -1 and below 0.5");
+pub(super) const RATIO: Range = Range::open(-1.0, 0.5, "above -1 and below 0.5");
 
 pub(super) const ELEMENTS: Whole = Whole(1, 1_000_000);
 pub(super) const DEGREE: Whole = Whole(1, 64);
