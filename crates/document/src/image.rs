@@ -68,7 +68,10 @@ fn read(path: &Path) -> Result<Grey, (String, &'static str)> {
             bytes.as_chunks().0.iter().map(|v| f64::from(u16::from_be_bytes(*v)) / 65535.0).collect()
         }
         _ => {
-            return Err(("it has colours or is transparent".to_owned(), "save it in grey levels, 8 or 16 bits a pixel"));
+            return Err((
+                "it has colours or is transparent".to_owned(),
+                "save it in grey levels, 8 or 16 bits a pixel",
+            ));
         }
     };
     Ok(Grey { columns: info.width as usize, rows: info.height as usize, levels })
