@@ -32,6 +32,7 @@ mod place;
 mod printed;
 mod probes;
 mod python;
+mod python_package;
 mod random_input;
 mod rare_outcomes;
 mod remedies;

@@ -144,6 +144,33 @@ fn points_have_the_numbers_of_their_scene_for_any_number_of_threads() {
 }
 
 #[test]
+fn points_with_random_input_have_no_seconds_in_them() {
+    let text =
+        format!("{BLOCK}\n[random.r]\ndistribution = \"uniform\"\nlow = 1\nhigh = 2\n").replace("\"p\"", "\"p*r\"");
+    let document = Document::parse(&text, "block.toml", &[]).unwrap();
+    let points = vary(&["parameters.p=1,2"]);
+    let solved = || {
+        let mut sweep = Sweep::new(&document, points.clone());
+        let outcomes = &mut sweep.outcomes;
+        let mut keep = |point: usize, outcome: &Outcome| {
+            outcomes[point] = Some(outcome.clone());
+            Ok(())
+        };
+        let observer = Observer { interrupts: &AtomicUsize::new(0), keep: &mut keep };
+        solve_points(&document, &points, &[0, 1], 2, observer).unwrap();
+        sweep
+    };
+    let sweep = solved();
+    assert_eq!(sweep, solved());
+    // J of p r, r from 1 to 2: E r² = 7/3
+    let means = sweep.quantities().column("stochastic.energy.mean").unwrap();
+    for (p, mean) in [1.0, 2.0].iter().zip(means) {
+        let exact = -0.5 * p * p * 7.0 / 3.0 * (1.0 - 0.3 * 0.3) * 2.0 / 200.0;
+        assert!((mean / exact - 1.0).abs() < 1e-9, "{mean} for {exact}");
+    }
+}
+
+#[test]
 fn points_that_fail_stay_in_the_table_with_their_message() {
     let sweep = solved(vary(&["material.young=-1,200,'p*q'"]), 2);
     assert_eq!(sweep.counts(), [1, 0, 2, 0]);

@@ -79,7 +79,7 @@ impl Place {
     pub fn python(&self, script: &str, arguments: &[&str]) -> Ran {
         let of_workspace = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/python/bin/python");
         let python = std::env::var_os("STEKLOV_PYTHON").map_or_else(of_workspace, PathBuf::from);
-        let remedy = "`scripts/python-env target/python numpy h5py vtk` makes the environment";
+        let remedy = "`scripts/python-env` makes the environment";
         let run = Command::new(&python).arg(script).args(arguments).current_dir(self.path("")).output();
         let ran = Ran::new(run.unwrap_or_else(|e| panic!("no Python at {}: {e}; {remedy}", python.display())));
         assert!(!ran.err.contains("ModuleNotFoundError"), "{remedy}\n{}", ran.err);

@@ -1,0 +1,195 @@
+//! The extension module of the Python package `steklov`: scenes planned and solved, with the GIL released. What is comfortable about the
+//! package is written in Python, in `python/steklov`.
+
+use std::num::NonZero;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Mutex, Once, PoisonError};
+use std::time::Duration;
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use steklov_algebra::PARTS;
+use steklov_document::{Document, SceneError};
+use steklov_model::error::SolveError;
+use steklov_model::numbers::numbers;
+use steklov_model::run::expect::check_expect;
+use steklov_model::solve::contact_rows::ContactRow;
+use steklov_model::summary::{Summary, available_memory_bytes};
+use steklov_model::{Told, Watch, solve_watched};
+use steklov_plan::{explain, refused};
+
+/// How often Python looks for signals while a scene is solved.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Stack of each thread, as large as that of a process usually is.
+const STACK: usize = 8 << 20;
+
+/// A column of the contact table: its name, and its number in a row.
+type Column = (&'static str, fn(&ContactRow) -> f64);
+
+/// A scene that is solved.
+#[pyclass(frozen)]
+struct Answer {
+    summary: Summary,
+    contact: Vec<ContactRow>,
+    sides: Vec<String>,
+}
+
+#[pymethods]
+impl Answer {
+    /// The JSON object of `steklov solve --json`.
+    fn json(&self) -> PyResult<String> {
+        serde_json::to_string(&self.summary).map_err(|e| pyo3::exceptions::PyValueError::new_err(e.to_string()))
+    }
+
+    /// Paths and values of all numbers.
+    fn numbers(&self) -> Vec<(String, f64)> {
+        numbers(&serde_json::to_value(&self.summary).unwrap_or_default())
+    }
+
+    /// The table of all contact nodes: a column for each of their numbers.
+    fn contact<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let table = PyDict::new(py);
+        let rows = &self.contact;
+        table.set_item("side", rows.iter().map(|row| self.sides[row.side].as_str()).collect::<Vec<_>>())?;
+        let points: [fn(&ContactRow) -> [f64; 2]; 2] = [|row| row.point, |row| row.normal];
+        for (name, value) in ["point", "normal"].into_iter().zip(points) {
+            let vectors: Vec<Vec<f64>> = rows.iter().map(|row| value(row).to_vec()).collect();
+            table.set_item(name, PyArray2::from_vec2(py, &vectors)?)?;
+        }
+        let columns: [Column; 7] = [
+            ("gap", |row| row.gap),
+            ("normal_displacement", |row| row.normal_displacement),
+            ("tangential_displacement", |row| row.tangential_displacement),
+            ("pressure", |row| row.pressure),
+            ("shear", |row| row.shear),
+            ("bound", |row| row.bound),
+            ("weight", |row| row.weight),
+        ];
+        for (name, value) in columns {
+            table.set_item(name, PyArray1::from_iter(py, rows.iter().map(value)))?;
+        }
+        table.set_item("status", PyArray1::from_iter(py, rows.iter().map(|row| row.status)))?;
+        Ok(table)
+    }
+}
+
+/// What would be modelled and why, and what it costs, as JSON.
+#[pyfunction]
+fn plan(py: Python<'_>, text: &str, name: &str, overrides: Vec<String>) -> PyResult<String> {
+    let document = read(py, text, name, &overrides)?;
+    let plan = steklov_plan::plan(&document.scene);
+    serde_json::to_string(&plan).map_err(|e| pyo3::exceptions::PyValueError::new_err(e.to_string()))
+}
+
+/// Solves a scene. `progress` is called with a text and the share of the step, or of the outcomes, that is done.
+#[pyfunction]
+#[pyo3(signature = (text, name, overrides, progress = None))]
+fn solve(
+    py: Python<'_>,
+    text: &str,
+    name: &str,
+    overrides: Vec<String>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Answer> {
+    start_threads();
+    let mut document = read(py, text, name, &overrides)?;
+    if document.scene.method.max_dofs.is_none() && !document.scene.is_on_grid() {
+        document.scene.method.memory = available_memory_bytes();
+    }
+    let scene = &document.scene;
+    check_expect(scene).map_err(|error| scene_error(py, &document.error(error)))?;
+    if let Some(error) = refused(scene, &steklov_plan::plan(scene).cost) {
+        return Err(scene_error(py, &document.error(error)));
+    }
+    let interrupts = AtomicUsize::new(0);
+    let (sender, receiver) = channel();
+    let receiver = Mutex::new(receiver);
+    let tells = progress.is_some();
+    let solved = std::thread::scope(|scope| {
+        let (interrupts, sender) = (&interrupts, Mutex::new(sender));
+        let worker = scope.spawn(move || {
+            let tell = |told: Told| send(&sender, told, tells);
+            rayon::scope(|_| solve_watched(scene, &Watch { interrupts, tell: &tell }))
+        });
+        let watched = watch(py, &receiver, progress.as_ref());
+        if watched.is_err() {
+            interrupts.store(2, Ordering::Relaxed);
+        }
+        let solved = py.detach(|| worker.join());
+        watched.map(|()| solved)
+    })?;
+    let solved = solved.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    match solved {
+        Ok(answer) => {
+            let sides = scene.problem.sides.iter().map(|side| side.name.clone()).collect();
+            Ok(Answer { summary: answer.summary, contact: answer.contact, sides })
+        }
+        Err(SolveError::Interrupted) => Err(PyKeyboardInterrupt::new_err("the solution was stopped")),
+        Err(error) => Err(match explain(scene, error) {
+            Ok(error) => scene_error(py, &document.error(error)),
+            Err(error) => raised(py, "SolveError", (error.to_string(),)),
+        }),
+    }
+}
+
+/// As many threads as processors, and the same bits for any number of them.
+fn start_threads() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        faer::set_global_parallelism(faer::Par::rayon(PARTS));
+        let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
+        // a program that has made its threads keeps them
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build_global();
+    });
+}
+
+fn send(sender: &Mutex<Sender<Told>>, told: Told, tells: bool) {
+    if tells {
+        // nobody listens any more once the solution was given up
+        let _ = sender.lock().unwrap_or_else(PoisonError::into_inner).send(told);
+    }
+}
+
+/// Passes on what is told, and looks for signals, until the work has ended; an error of the callback or of a signal ends it before.
+fn watch(py: Python<'_>, receiver: &Mutex<Receiver<Told>>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    loop {
+        let told = py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(LOOK));
+        py.check_signals()?;
+        match (told, progress) {
+            (Ok(Told::Step(step, what, share)), Some(progress)) => {
+                progress.call1((format!("step {}: {what}", step + 1), share))?;
+            }
+            (Ok(Told::Outcomes(done, count)), Some(progress)) => {
+                progress.call1((format!("outcomes {done} of {count}"), done as f64 / count.max(1) as f64))?;
+            }
+            (Err(RecvTimeoutError::Disconnected), _) => return Ok(()),
+            _ => {}
+        }
+    }
+}
+
+fn read(py: Python<'_>, text: &str, name: &str, overrides: &[String]) -> PyResult<Document> {
+    py.detach(|| Document::parse(text, name, overrides)).map_err(|error| scene_error(py, &error))
+}
+
+fn scene_error(py: Python<'_>, error: &SceneError) -> PyErr {
+    let SceneError { message, help, .. } = error;
+    raised(py, "SceneError", (error.render(), message.as_str(), help.as_str(), error.file(), error.line()))
+}
+
+/// An exception of the package.
+fn raised<'py>(py: Python<'py>, name: &str, arguments: impl pyo3::call::PyCallArgs<'py>) -> PyErr {
+    let made = py.import("steklov.errors").and_then(|module| module.getattr(name)).and_then(|of| of.call1(arguments));
+    made.map_or_else(|error| error, PyErr::from_value)
+}
+
+/// Scenes of plane elasticity, planned and solved.
+#[pymodule]
+mod _steklov {
+    #[pymodule_export]
+    use super::{Answer, plan, solve};
+}

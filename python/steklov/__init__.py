@@ -1,0 +1,40 @@
+"""Plane elasticity with contact, friction, cracks and random input by hp boundary elements.
+
+>>> import steklov
+>>> scene = {
+...     "body": {"corners": [[0, 0], [2, 0], [2, 1], [0, 1]], "sides": ["floor", "right", "top", "left"]},
+...     "material": {"young": 200, "poisson": 0.3},
+...     "parameters": {"p": 1.0},
+...     "sides": {"floor": {"contact": {"gap": "0"}}, "top": {"pressure": "p"}},
+... }
+>>> result = steklov.solve(scene, parameters__p=3)
+>>> round(result.quantities["contact.force.y"], 9)
+6.0
+"""
+
+import json
+
+from . import _steklov
+from .errors import SceneError, SolveError, SteklovError
+from .result import Quantities, Result
+from .scene import settings_of, text_of
+
+__all__ = ["Quantities", "Result", "SceneError", "SolveError", "SteklovError", "plan", "solve", "text_of"]
+
+
+def solve(scene, *, progress=None, **overrides):
+    """Solves a scene: a dictionary, TOML text, or the path of a file.
+
+    Keyword arguments change keys of the scene, two underscores standing for a point: `parameters__load=2`, `method__tolerance=1e-5`, or
+    `**{"sides.top.pressure": "2*x"}`. `progress` is called with a text and the share that is done, from 0 to 1.
+
+    Raises SceneError where the scene is wrong or has no solution, with place and remedy, and KeyboardInterrupt after Ctrl-C.
+    """
+    text, name = text_of(scene)
+    return Result(_steklov.solve(text, name, settings_of(overrides), progress))
+
+
+def plan(scene, **overrides):
+    """What would be modelled and why, what is left out, and what the first mesh costs, as a dictionary; solves nothing."""
+    text, name = text_of(scene)
+    return json.loads(_steklov.plan(text, name, settings_of(overrides)))

@@ -1,0 +1,21 @@
+"""What may go wrong, as exceptions."""
+
+
+class SteklovError(Exception):
+    """Any error of this package."""
+
+
+class SceneError(SteklovError):
+    """A scene that is wrong or cannot be solved.
+
+    `str(error)` shows the place and the remedy; `message`, `help`, `file` and `line` are its parts, `line` None where the scene was no
+    text.
+    """
+
+    def __init__(self, text, message, help, file, line):
+        super().__init__(text)
+        self.message, self.help, self.file, self.line = message, help, file, line
+
+
+class SolveError(SteklovError):
+    """A solution that failed through no fault of the scene."""
