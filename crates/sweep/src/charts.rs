@@ -18,7 +18,7 @@ const PANELS: usize = 6;
 const LINES: usize = 8;
 
 /// Draws every quantity that differs from point to point over the first varied key that has numbers, with a line for each combination
-/// of the others; the band around J is how far its exact value may be. Returns the files; none if no key has two numbers.
+/// of the others, of which the title tells if not all are drawn; the band around J is how far its exact value may be. Returns the files; none if no key has two numbers.
 ///
 /// # Errors
 /// [`SweepError::Picture`].
@@ -30,7 +30,12 @@ pub fn charts(sweep: &Sweep, folder: &Path, name: &str) -> Result<Vec<PathBuf>, 
         first.is_finite() && numbers.any(|v| v.is_finite() && v != first)
     };
     let Some(key) = (0..points.keys().len()).find(is_axis) else { return Ok(Vec::new()) };
-    let lines = lines(sweep, key);
+    let all = lines(sweep, key);
+    let lines = &all[..all.len().min(LINES)];
+    let title = match all.len() > LINES {
+        true => format!("{}: the first {LINES} of {} lines", sweep.title, all.len()),
+        false => sweep.title.clone(),
+    };
     let (objects, quantities) = (sweep.objects(), sweep.quantities());
     let mut groups: BTreeMap<&str, Vec<Panel>> = BTreeMap::new();
     for path in quantities.paths.iter().filter(|path| DRAWN.iter().any(|of| path.starts_with(of))) {
@@ -40,7 +45,7 @@ pub fn charts(sweep: &Sweep, folder: &Path, name: &str) -> Result<Vec<PathBuf>, 
             continue;
         }
         let mut layers = Vec::new();
-        for (number, (label, line)) in lines.iter().take(LINES).enumerate() {
+        for (number, (label, line)) in lines.iter().enumerate() {
             let at = |point: &usize| points.number(*point, key);
             if is_energy {
                 let bar = |point: &usize| bar(objects[*point].as_ref()?).map(|[low, high]| [at(point), low, high]);
@@ -61,7 +66,7 @@ pub fn charts(sweep: &Sweep, folder: &Path, name: &str) -> Result<Vec<PathBuf>, 
         let count = list.len().div_ceil(PANELS);
         for (k, some) in list.chunks(PANELS).enumerate() {
             let suffix = if count > 1 { format!("-{}", k + 1) } else { String::new() };
-            let picture = panels(&sweep.title, some)?;
+            let picture = panels(&title, some)?;
             files.extend(write(folder, &format!("{name}-{group}{suffix}"), &picture)?);
         }
     }

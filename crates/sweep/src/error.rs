@@ -38,7 +38,7 @@ pub enum SweepError {
         all: String,
     },
     /// The journal of finished points cannot be written or read.
-    #[error("the journal {path} of finished points: {source}; {kept} finished point(s) are kept in it: free space, then go on with --resume", path = path.display())]
+    #[error("the journal {path} of finished points: {source}; {kept} finished point(s) are kept in it: mend that, then go on with --resume", path = path.display())]
     Journal {
         /// The file.
         path: PathBuf,
@@ -46,6 +46,12 @@ pub enum SweepError {
         kept: usize,
         /// Why.
         source: std::io::Error,
+    },
+    /// A journal that another program writes.
+    #[error("another program writes {path}: wait for it, or name another file", path = path.display())]
+    Busy {
+        /// The journal.
+        path: PathBuf,
     },
     /// A journal of a sweep that was stopped.
     #[error("{path} holds {kept} finished point(s) of a sweep that was stopped: go on with --resume, or start again with --force", path = path.display())]

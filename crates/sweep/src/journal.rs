@@ -1,6 +1,6 @@
 //! The journal of a sweep: a line for each finished point, so that they survive whatever ends the program.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Error, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -39,7 +39,7 @@ impl Journal {
     /// without, it is replaced if `replace` allows it.
     ///
     /// # Errors
-    /// [`SweepError::Unfinished`] of one that is there; [`SweepError::Other`] of one of another sweep; [`SweepError::Journal`] if the
+    /// [`SweepError::Unfinished`] of one that is there; [`SweepError::Busy`] if another program writes it; [`SweepError::Other`] of one of another sweep; [`SweepError::Journal`] if the
     /// file cannot be read or written.
     pub fn begin(out: &Path, sweep: &mut Sweep, resume: bool, replace: bool) -> Result<Self, SweepError> {
         let mut name = out.file_name().unwrap_or_default().to_owned();
@@ -48,6 +48,10 @@ impl Journal {
         let failed = |source| SweepError::Journal { path: path.clone(), kept: 0, source };
         let mut text = String::new();
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(failed)?;
+        // where files cannot be locked, as on some network disks, nobody can tell
+        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            return Err(SweepError::Busy { path });
+        }
         file.read_to_string(&mut text).map_err(failed)?;
         let held = text.lines().count().saturating_sub(1);
         if !resume && !replace && held > 0 {

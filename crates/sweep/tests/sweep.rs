@@ -230,6 +230,8 @@ fn a_journal_that_was_cut_off_gives_its_whole_lines() {
     let mut sweep = Sweep::new(&document(), points());
     let mut journal = Journal::begin(&out, &mut sweep, false, false).unwrap();
     solve(&mut sweep, [1, 1], 1, Some(&mut journal));
+    let second = Journal::begin(&out, &mut Sweep::new(&document(), points()), true, false);
+    assert!(matches!(second, Err(SweepError::Busy { .. })));
     drop(journal);
     let path = folder.path().join("sweep.h5.journal");
     let whole = std::fs::read(&path).unwrap();
