@@ -93,10 +93,10 @@ pub(super) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     check_table(&out, replace, args.points.as_deref())?;
     check_folder("--plots", args.plots.as_deref())?;
     let mut sweep = Sweep::new(&document, points);
-    let mut journal = Journal::begin(&out, &mut sweep, args.resume, args.force)?;
     if args.resume && out.exists() {
-        sweep.take(read(&out)?, ["the journal", &out.display().to_string()])?;
+        sweep.take(read(&out)?, ["the sweep", &out.display().to_string()])?;
     }
+    let mut journal = Journal::begin(&out, &mut sweep, args.resume, args.force)?;
     if let Err(error) = solve(args, &document, &mut sweep, &mut journal) {
         if journal.kept() == 0 {
             journal.end()?;
