@@ -54,5 +54,6 @@ def text_of(scene):
 
 
 def settings_of(overrides):
-    """Settings KEY=VALUE of keyword arguments; two underscores stand for a point."""
-    return [f"{name.replace('__', '.')}={toml(value, name)}" for name, value in overrides.items()]
+    """Settings KEY=VALUE of keyword arguments; two underscores stand for a point where a name has none."""
+    full = {name: name if "." in name else name.replace("__", ".") for name in overrides}
+    return [f"{full[name]}={toml(value, name)}" for name, value in overrides.items()]

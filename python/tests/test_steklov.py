@@ -62,6 +62,9 @@ def test_a_dictionary_is_the_text_that_it_means():
     scene = dict(BLOCK, material={"young": numpy.float64(200), "poisson": numpy.float32(0.25)})
     scene["body"] = dict(BLOCK["body"], corners=numpy.array(BLOCK["body"]["corners"]))
     assert steklov.solve(scene, **{"material.poisson": 0.3}).summary["energy"] == a.summary["energy"]
+    scene = dict(BLOCK, parameters={"p__0": 1.0, "F": 0.1, "q": "F/2"})
+    scene["sides"] = dict(BLOCK["sides"], top={"traction": ["q", "-p__0"]})
+    assert abs(steklov.solve(scene, **{"parameters.p__0": 2.0}).quantities["contact.force.y"] - 4) < 1e-9
 
 
 def test_overrides_change_keys_and_quantities_are_a_mapping():

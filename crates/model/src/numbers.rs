@@ -21,10 +21,11 @@ const LEFT_OUT: [&str; 11] = [
 /// and memory. Of vectors the components are x and y, of stresses xx, yy and xy.
 ///
 /// ```
-/// let object = serde_json::json!({ "energy": -1.5, "contact": { "force": [0.0, 2.0], "ends": [[0, 1]] }, "title": "block" });
+/// let object = serde_json::json!({ "energy": -1.5, "contact": { "force": [0.0, 2.0], "ends": [[0, 1]] }, "reactions": { "ends": [0.0, 2.0] } });
 /// let numbers = steklov_model::numbers::numbers(&object);
-/// let expected = [("contact.force.x", 0.0), ("contact.force.y", 2.0), ("energy", -1.5)];
-/// assert_eq!(numbers, expected.map(|(path, value)| (path.to_owned(), value)));
+/// let paths: Vec<&str> = numbers.iter().map(|(path, _)| path.as_str()).collect();
+/// assert_eq!(paths, ["contact.force.x", "contact.force.y", "energy", "reactions.ends.x", "reactions.ends.y"]);
+/// assert_eq!(numbers[4].1, 2.0);
 /// ```
 pub fn numbers(object: &Value) -> Vec<(String, f64)> {
     fn add(value: &Value, path: &str, key: &str, list: &mut Vec<(String, f64)>) {
@@ -34,7 +35,8 @@ pub fn numbers(object: &Value) -> Vec<(String, f64)> {
             Value::Number(number) => list.extend(number.as_f64().map(|number| (path.to_owned(), number))),
             Value::Object(entries) => entries
                 .iter()
-                .filter(|(key, _)| !LEFT_OUT.contains(&key.as_str()))
+                // what is below reactions are names of sides
+                .filter(|(name, _)| key == "reactions" || !LEFT_OUT.contains(&name.as_str()))
                 .for_each(|(key, value)| add(value, &below(key), key, list)),
             Value::Array(items) => {
                 let is_vector = items.iter().all(Value::is_number) && key != "quantiles";

@@ -193,18 +193,11 @@ fn solve_point(
 /// The JSON object of a point: what does not differ from run to run.
 fn kept(summary: &Summary) -> String {
     let mut object = serde_json::to_value(summary).unwrap_or_default();
-    leave_out_times(&mut object);
-    object.to_string()
-}
-
-/// Removes what differs from run to run, also from objects within, such as the seconds of outcomes of random input.
-fn leave_out_times(value: &mut Value) {
-    match value {
-        Value::Object(entries) => {
-            ["seconds", "peak_memory_bytes", "file"].into_iter().for_each(|key| drop(entries.remove(key)));
-            entries.values_mut().for_each(leave_out_times);
+    // by their whole paths: sides may have such names too
+    for (table, keys) in [("", &["seconds", "peak_memory_bytes", "file"][..]), ("/stochastic/solution", &["seconds"])] {
+        if let Some(Value::Object(entries)) = object.pointer_mut(table) {
+            keys.iter().for_each(|key| drop(entries.remove(*key)));
         }
-        Value::Array(items) => items.iter_mut().for_each(leave_out_times),
-        _ => {}
     }
+    object.to_string()
 }

@@ -25,15 +25,26 @@ fn vary(texts: &[&str]) -> Points {
 }
 
 /// Solves the missing points of a part, each told to `keep`.
-fn solve(sweep: &mut Sweep, part: [usize; 2], threads: usize, mut journal: Option<&mut Journal>) {
-    let (wanted, document) = (sweep.missing(part), document());
+fn solve(sweep: &mut Sweep, part: [usize; 2], threads: usize, journal: Option<&mut Journal>) {
+    solve_of(&document(), sweep, part, threads, journal);
+}
+
+/// The same of another scene.
+fn solve_of(
+    document: &Document,
+    sweep: &mut Sweep,
+    part: [usize; 2],
+    threads: usize,
+    mut journal: Option<&mut Journal>,
+) {
+    let wanted = sweep.missing(part);
     let (points, outcomes) = (&sweep.points, &mut sweep.outcomes);
     let mut keep = |point: usize, outcome: &Outcome| {
         outcomes[point] = Some(outcome.clone());
         journal.as_mut().map_or(Ok(()), |journal| journal.add(point, outcome))
     };
     let observer = Observer { interrupts: &AtomicUsize::new(0), keep: &mut keep };
-    solve_points(&document, points, &wanted, threads, observer).unwrap();
+    solve_points(document, points, &wanted, threads, observer).unwrap();
 }
 
 fn solved(points: Points, threads: usize) -> Sweep {
@@ -144,6 +155,18 @@ fn points_have_the_numbers_of_their_scene_for_any_number_of_threads() {
 }
 
 #[test]
+fn sides_of_any_name_are_in_the_table() {
+    for name in ["file", "seconds", "ends", "point", "sides", "solution"] {
+        let text = BLOCK.replace("floor", name);
+        let document = Document::parse(&text, "block.toml", &[]).unwrap();
+        let mut sweep = Sweep::new(&document, vary(&["parameters.p=1,2"]));
+        solve_of(&document, &mut sweep, [1, 1], 2, None);
+        let force = sweep.quantities().column(&format!("reactions.{name}.y")).unwrap_or_default();
+        assert!(force.len() == 2 && force.iter().zip([2.0, 4.0]).all(|(f, exact)| (f - exact).abs() < 1e-9), "{name}");
+    }
+}
+
+#[test]
 fn points_with_random_input_have_no_seconds_in_them() {
     let text =
         format!("{BLOCK}\n[random.r]\ndistribution = \"uniform\"\nlow = 1\nhigh = 2\n").replace("\"p\"", "\"p*r\"");
@@ -151,13 +174,7 @@ fn points_with_random_input_have_no_seconds_in_them() {
     let points = vary(&["parameters.p=1,2"]);
     let solved = || {
         let mut sweep = Sweep::new(&document, points.clone());
-        let outcomes = &mut sweep.outcomes;
-        let mut keep = |point: usize, outcome: &Outcome| {
-            outcomes[point] = Some(outcome.clone());
-            Ok(())
-        };
-        let observer = Observer { interrupts: &AtomicUsize::new(0), keep: &mut keep };
-        solve_points(&document, &points, &[0, 1], 2, observer).unwrap();
+        solve_of(&document, &mut sweep, [1, 1], 2, None);
         sweep
     };
     let sweep = solved();
