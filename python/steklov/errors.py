@@ -1,5 +1,13 @@
 """What may go wrong, as exceptions."""
 
+import difflib
+
+
+def near(name, names):
+    """A hint at the name that may be meant."""
+    found = difflib.get_close_matches(name, names, n=1)
+    return f": did you mean {found[0]!r}?" if found else ""
+
 
 class SteklovError(Exception):
     """Any error of this package."""

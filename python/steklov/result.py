@@ -1,7 +1,13 @@
 """What a solution gives."""
 
+import functools
 import json
+import os
 from collections.abc import Mapping
+
+import numpy
+
+from .errors import SteklovError, near
 
 
 class Quantities(Mapping):
@@ -14,10 +20,7 @@ class Quantities(Mapping):
         try:
             return self._numbers[path]
         except KeyError:
-            import difflib
-
-            near = difflib.get_close_matches(path, self._numbers, n=1)
-            raise KeyError(f"{path!r} is no number of this result" + (f": did you mean {near[0]!r}?" if near else "")) from None
+            raise KeyError(f"{path!r} is no number of this result{near(path, self._numbers)}") from None
 
     def __iter__(self):
         return iter(self._numbers)
@@ -39,13 +42,16 @@ class Result:
     """A scene that is solved.
 
     `summary` is the JSON object of `steklov solve --json`, `quantities` its numbers by their paths, `contact` the table of all contact
-    nodes as a dictionary of numpy arrays. Trust the numbers to their errors where `converged` holds and `doubts` is empty.
+    nodes and `interfaces` that of each interface between bodies by its name: dictionaries of numpy arrays. Trust the numbers to their
+    errors where `converged` holds and `doubts` is empty.
     """
 
-    def __init__(self, answer):
-        self.summary = json.loads(answer.json())
-        self.quantities = Quantities(answer.numbers())
-        self.contact = answer.contact()
+    def __init__(self, solved):
+        self._solved = solved
+        self.summary = json.loads(solved.json())
+        self.quantities = Quantities(solved.numbers())
+        self.contact = solved.contact()
+        self.interfaces = solved.interfaces()
 
     @property
     def converged(self):
@@ -57,10 +63,88 @@ class Result:
         """Why the estimate is not to be trusted, words; empty if it is."""
         return self.summary["estimate_doubts"]
 
-    @property
-    def interfaces(self):
-        """The interfaces between bodies, a dictionary for each."""
-        return self.summary.get("interfaces", [])
+    def at(self, points):
+        """Displacement, stress (xx, yy, xy) and von Mises stress at points, an array whose last axis has x and y.
+
+        A dictionary of arrays with the axes of the points: NaN where no body is, and stresses NaN with `stress_unbounded` where they
+        are infinite. Of random input the fields are those of its mean. A point on the boundary has the values of the boundary; `body`
+        names the body of each point where there are several.
+        """
+        points = numpy.asarray(points, dtype=float)
+        if points.ndim == 0 or points.shape[-1] != 2:
+            raise ValueError(f"points have the shape {points.shape}: the last axis has x and y")
+        table = self._solved.at(numpy.ascontiguousarray(points.reshape(-1, 2)))
+        del table["s"], table["point"]
+        return {name: numpy.asarray(column).reshape(points.shape[:-1] + numpy.shape(column)[1:]) for name, column in table.items()}
+
+    def along(self, where, points=101):
+        """Results along a side, by its name, or along the line from one point to another, at so many points.
+
+        A dictionary of arrays, `s` the distance from the beginning. On a side, with n out of the body and t the normal turned by +90
+        degrees, there are also n, u·n, u·t, n·σn (negative in compression), t·σn and t·σt; its points are those of the mesh.
+        """
+        if isinstance(where, str):
+            table = self._solved.along_side(where)
+            if table is None:
+                raise KeyError(f"{where!r} is no side of this scene{near(where, self._solved.sides())}")
+            return table
+        ends = numpy.asarray(where, dtype=float)
+        if ends.shape != (2, 2):
+            raise ValueError(f"a line is the name of a side or two points, not an array of the shape {ends.shape}")
+        return self._solved.along_line(*ends.tolist(), points)
+
+    @functools.cached_property
+    def fields(self):
+        """The fields on an unstructured grid: `points`, cells by the numbers of their points in `lines` (the boundary), `triangles` and
+        `quads`, and dictionaries of arrays `point_data` and `cell_data`, the cells in that order: the arrays of the result file.
+        `enlargement` is the factor at which displacements are drawn.
+        """
+        return self._solved.fields()
+
+    def plot(self, field="von_mises", *, ax=None, enlarge=None):
+        """Draws the deformed body, coloured by "von_mises", "xx", "yy", "xy", "displacement", "ux" or "uy", on a grid also by "young" or
+        "poisson"; returns the axes of matplotlib. Displacements are enlarged to be seen, or by `enlarge`. Colours beyond the arrows
+        belong to singular points.
+        """
+        from .pictures import plot
+
+        return plot(self, field, ax, enlarge)
+
+    def plot_contact(self, *, ax=None):
+        """Draws pressure, shear and friction bound along the sides in contact; returns the axes of matplotlib."""
+        from .pictures import plot_contact
+
+        return plot_contact(self, ax)
+
+    def to_pyvista(self):
+        """The fields as an unstructured grid of PyVista; `warp_by_vector("displacement", factor=...)` deforms it."""
+        import pyvista
+
+        fields = self.fields
+        kinds = [("lines", pyvista.CellType.LINE), ("triangles", pyvista.CellType.TRIANGLE), ("quads", pyvista.CellType.QUAD)]
+        cells = [numpy.column_stack([numpy.full(len(fields[kind]), fields[kind].shape[1]), fields[kind]]).ravel() for kind, _ in kinds]
+        types = [numpy.full(len(fields[kind]), number, numpy.uint8) for kind, number in kinds]
+        points = numpy.column_stack([fields["points"], numpy.zeros(len(fields["points"]))])
+        grid = pyvista.UnstructuredGrid(numpy.concatenate(cells), numpy.concatenate(types), points)
+        for name, values in fields["point_data"].items():
+            grid.point_data[name] = values
+        for name, values in fields["cell_data"].items():
+            grid.cell_data[name] = values
+        grid.cell_data["part"] = numpy.concatenate([numpy.full(len(t), int(k > 0)) for k, t in enumerate(types)])
+        return grid
+
+    def save(self, path, *, replace=False):
+        """Writes the result file of `steklov solve`, which h5py, ParaView, `steklov show` and `--resume` read.
+
+        Needs a package that was built with HDF5: `pip install . --config-settings=build-args="--features hdf5"`.
+        """
+        if not hasattr(self._solved, "save"):
+            raise SteklovError(
+                "this package was built without HDF5: build it by "
+                "pip install . --config-settings=build-args=\"--features hdf5\", or solve by the command steklov"
+            )
+        path = os.fspath(path)
+        self._solved.save(path, replace)
 
     @property
     def energy(self):

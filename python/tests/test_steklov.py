@@ -156,3 +156,124 @@ def test_the_program_of_the_guide_runs(tmp_path, monkeypatch):
     assert len(blocks) > 3
     for block in blocks:
         exec(compile(block, "python.md", "exec"), names)
+
+
+@pytest.mark.parametrize("scene", ["07-kirsch", "11-two-walls", "47-circular-inclusion", "43-lining-in-rock", "45-tunnel", "73-round-lining", "34-laminate"])
+def test_points_and_lines_have_the_bits_of_probes(scene):
+    path = ROOT / "scenes" / f"{scene}.toml"
+    first = steklov.solve(path, method__tolerance=0.1)
+    points = numpy.array([p["point"] for p in first.summary["probe"]])
+    line = [points[0], points.mean(axis=0) + 1e-3]
+    side = first._solved.sides()[0]
+    probe = {"points": points, "lines": [{"from": line[0], "to": line[1], "points": 5}], "sides": [side]}
+    result = steklov.solve(path, method__tolerance=0.1, probe=probe)
+    for name, own in result.at(points).items():
+        if name in ("displacement", "stress"):
+            told = [[numpy.nan if v is None else v for v in p[name]] for p in result.summary["probe"]]
+            assert numpy.array_equal(own, told, equal_nan=True), name
+    for told, own in [(result.summary["probe_lines"][0]["points"], result.along(line, 5)), (result.summary["probe_sides"][0]["points"], result.along(side))]:
+        assert len(told) == len(own["s"])
+        for name, column in own.items():
+            values = [point.get(name) for point in told]
+            if name in ("body", "stress_unbounded"):
+                assert [v or None for v in values] == [v or None for v in column]
+            else:
+                values = numpy.array(values, dtype=float)
+                assert numpy.array_equal(values, column, equal_nan=True), name
+
+
+def test_points_have_any_shape_and_places_without_a_body_are_nan():
+    result = steklov.solve(BLOCK)
+    x, y = numpy.meshgrid([0.5, 1.0, 5.0], [0.25, 0.75])
+    found = result.at(numpy.stack([x, y], axis=-1))
+    assert found["displacement"].shape == (2, 3, 2) and found["stress"].shape == (2, 3, 3) and found["von_mises"].shape == (2, 3)
+    assert numpy.isnan(found["stress"]).all(axis=-1).tolist() == [[False, False, True]] * 2
+    smooth = steklov.solve(BLOCK, parameters__F=0)
+    assert abs(smooth.at([1.0, 0.5])["stress"][1] + 1) < 1e-9, "a point alone has no axis of its own"
+    assert result.at(numpy.zeros((0, 2)))["von_mises"].shape == (0,)
+    edge = smooth.along("top")
+    assert numpy.allclose(edge["normal_traction"], -1, atol=1e-9) and numpy.allclose(edge["normal"], [0, 1])
+    for wrong, error, word in [([[0, 0, 0]], ValueError, "(1, 3)"), ([[0, numpy.nan]], ValueError, "nowhere"), (3.0, ValueError, "shape")]:
+        with pytest.raises(error, match=re.escape(word)):
+            result.at(wrong)
+    with pytest.raises(KeyError, match="did you mean 'top'"):
+        result.along("tap")
+    with pytest.raises(ValueError, match="two points"):
+        result.along([0, 1])
+    for line, count, word in [([[0, 0], [1, 1]], 1, "from 2 to"), ([[5, 5], [6, 6]], 9, "none of the 9 points"), ([[1, 1], [1, 1]], 9, "no length")]:
+        with pytest.raises(ValueError, match=word):
+            result.along(line, count)
+
+
+def test_interfaces_have_tables():
+    result = steklov.solve(ROOT / "scenes" / "60-two-cylinders.toml", method__tolerance=1e-2)
+    assert list(result.interfaces) == [entry["name"] for entry in result.summary["interfaces"]]
+    for entry in result.summary["interfaces"]:
+        table = result.interfaces[entry["name"]]
+        force = (table["weight"] * table["pressure"]).sum() if entry["kind"] == "contact" else (table["weight"][:, None] * table["traction"]).sum(axis=0)
+        assert numpy.isclose(numpy.linalg.norm(force), numpy.linalg.norm(entry["force"]), rtol=0.05)
+
+
+@pytest.mark.parametrize("scene", ["07-kirsch", "43-lining-in-rock", "59-tied-blocks", "33-bar-of-random-cells", "29-random-modulus"])
+def test_fields_and_saved_files_have_the_bits_of_the_command(scene, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    path, out, own = ROOT / "scenes" / f"{scene}.toml", tmp_path / "result.vtkhdf", tmp_path / "own.vtkhdf"
+    command("solve", str(path), "--json", "--quiet", "--out", str(out), "--set", "method.tolerance=0.1")
+    result = steklov.solve(path, method__tolerance=0.1)
+    result.save(own)
+    with pytest.raises(OSError, match="replace=True"):
+        result.save(own)
+    result.save(own, replace=True)
+    fields = result.fields
+    with h5py.File(out) as told, h5py.File(own) as file:
+        names = []
+        told.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        for name in names:
+            if name not in ("summary",) and "seconds" not in name:
+                assert told[name][()].tobytes() == file[name][()].tobytes(), name
+        assert set(names) == set(filter(lambda name: isinstance(file[name], h5py.Dataset), all_names(file)))
+        vtk = told["VTKHDF"]
+        assert numpy.array_equal(vtk["Points"][()][:, :2], fields["points"])
+        cells = [fields[kind].ravel() for kind in ("lines", "triangles", "quads")]
+        assert numpy.array_equal(vtk["Connectivity"][()], numpy.concatenate(cells))
+        for group, data in [("PointData", fields["point_data"]), ("CellData", fields["cell_data"])]:
+            assert set(vtk.get(group, {})) - {"part"} == set(data)
+            for name, values in data.items():
+                assert numpy.array_equal(vtk[group][name][()], values, equal_nan=True), name
+
+
+def all_names(file):
+    names = []
+    file.visit(names.append)
+    return names
+
+
+def test_pictures_are_drawn(tmp_path):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as pyplot
+
+    for scene, fields in [("07-kirsch", ["von_mises", "xx", "displacement", "uy"]), ("34-laminate", ["von_mises", "young", "xy"])]:
+        result = steklov.solve(ROOT / "scenes" / f"{scene}.toml", method__tolerance=0.1)
+        for field in fields:
+            result.plot(field).figure.savefig(tmp_path / f"{scene}-{field}.png")
+            assert (tmp_path / f"{scene}-{field}.png").stat().st_size > 5000
+        with pytest.raises(KeyError, match="von_mises"):
+            result.plot("von_misses")
+        with pytest.raises(ValueError, match="nothing of this scene is in contact"):
+            result.plot_contact()
+        pyplot.close("all")
+    axes = steklov.solve(BLOCK).plot_contact()
+    assert axes.get_lines()[0].get_label() == "pressure on floor"
+    pyplot.close("all")
+
+
+def test_pyvista_has_the_fields():
+    pyvista = pytest.importorskip("pyvista")
+    result = steklov.solve(ROOT / "scenes" / "34-laminate.toml", method__tolerance=0.1)
+    grid = result.to_pyvista()
+    assert grid.n_cells == sum(len(result.fields[kind]) for kind in ("lines", "triangles", "quads"))
+    area = grid.threshold(0.5, scalars="part").compute_cell_sizes()["Area"].sum()
+    outline = numpy.ptp(result.fields["points"], axis=0)
+    assert abs(area / outline.prod() - 1) < 1e-12
+    assert numpy.array_equal(grid.cell_data["young"], result.fields["cell_data"]["young"])

@@ -129,7 +129,7 @@ pub fn attempt_grid(scene: &Scene) -> Result<Run<OnGrid>, SolveError> {
 /// If it has no solution.
 pub fn summary(scene: &Scene) -> Summary {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
-    steklov_model::Answer::of_run(scene, &run, None).summary
+    Summary::of_run(scene, &run, None)
 }
 
 /// The summary of a scene that is solved by finite elements.
@@ -138,7 +138,7 @@ pub fn summary(scene: &Scene) -> Summary {
 /// If it has no solution.
 pub fn on_grid(scene: &Scene) -> Summary {
     let run = attempt_grid(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
-    steklov_model::Answer::of_run(scene, &run, None).summary
+    Summary::of_run(scene, &run, None)
 }
 
 /// Solves a scene on a mesh.

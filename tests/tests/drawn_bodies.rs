@@ -4,7 +4,6 @@ use std::path::Path;
 
 use steklov_bem_operators::distance_to_segment;
 use steklov_elastic::plane::{cross, distance, norm};
-use steklov_figures::largest_factor;
 use steklov_io::vtkhdf::Grid;
 use steklov_picture::exaggeration;
 use steklov_plan::plan;
@@ -75,7 +74,7 @@ fn bodies_that_touch_are_drawn_so() {
         let record = solved(name);
         let largest = record.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max);
         let ratio = largest / size(&record.grid);
-        let [wanted, drawn] = [f64::INFINITY, largest_factor(&record).factor].map(|most| exaggeration(ratio, most));
+        let [wanted, drawn] = [f64::INFINITY, record.largest_factor().factor].map(|most| exaggeration(ratio, most));
         let [free, limited] = [wanted, drawn].map(|k| overlap_and_distance(&record.grid, medium, k));
         println!("{name}: {wanted} times {free:?}, {drawn} times {limited:?}");
         assert_eq!(drawn < wanted, is_limited, "{name}");
@@ -118,7 +117,7 @@ fn no_loop_is_seen_at_a_corner() {
     };
     let largest = record.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max);
     let ratio = largest / size(grid);
-    let [wanted, drawn] = [f64::INFINITY, largest_factor(&record).factor].map(|most| exaggeration(ratio, most));
+    let [wanted, drawn] = [f64::INFINITY, record.largest_factor().factor].map(|most| exaggeration(ratio, most));
     let found = [wanted, drawn].map(loops);
     println!("{wanted} times: {}, {drawn} times: {}", found[0], found[1]);
     assert!(found[0] > 1e-2 && found[1] < 5e-3 && drawn < wanted, "{wanted} times, {drawn} times: {found:?}");

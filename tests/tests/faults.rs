@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_algebra::{Spoiler, disarm, is_fault};
-use steklov_model::Answer;
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::{Model, Progress, Run, run};
@@ -53,7 +52,7 @@ fn summary_of<M: Model>(scene: &Scene, first: Progress<M>) -> Result<Summary, So
     if let Some(error) = run.error {
         return Err(error);
     }
-    let mut summary = Answer::of_run(scene, &run, outcomes).summary;
+    let mut summary = Summary::of_run(scene, &run, outcomes.as_ref());
     (summary.seconds, summary.peak_memory_bytes) = (Default::default(), 0);
     Ok(summary)
 }

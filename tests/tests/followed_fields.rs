@@ -5,6 +5,7 @@ use std::path::Path;
 
 use steklov_bem_operators::distance_to_segment;
 use steklov_elastic::plane::{cross, distance, minus, norm};
+use steklov_fields::triangulate::triangulate;
 use steklov_io::vtkhdf::{self, Field, Grid};
 use steklov_io::{create_atomically, open};
 use steklov_model::run::adaptive_loop::Run;
@@ -13,7 +14,6 @@ use steklov_picture::{BANDS, colour_interval, limited};
 use steklov_plan::plan;
 use steklov_problem::Scene;
 use steklov_result::record::Record;
-use steklov_result::triangulate::triangulate;
 use steklov_tests::{Random, adapt, scene};
 
 /// The part of seeded points with an error of at most half a step, and the largest error in steps: the 32nd part of the colours for

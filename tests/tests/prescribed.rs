@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicUsize;
 
-use steklov_model::Answer;
+use steklov_model::summary::Summary;
 use steklov_study::reference::Reference;
 use steklov_tests::{adapt, parse, summary};
 
@@ -69,7 +69,7 @@ fn deformations_beyond_small_strains_are_doubted() {
         );
         let scene = parse(&text, &[]).unwrap_or_else(|e| panic!("{e}"));
         let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
-        Answer::of_run(&scene, &run, None).summary.estimate_doubts.contains(&"large".to_owned())
+        Summary::of_run(&scene, &run, None).estimate_doubts.contains(&"large".to_owned())
     };
     assert!(pressed(-50.0) && !pressed(-0.5));
 }

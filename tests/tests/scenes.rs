@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 
-use steklov_model::Answer;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::Model;
 use steklov_model::run::boundary_elements::BoundaryElements;
@@ -53,7 +52,7 @@ fn solved(scene: &Scene) -> (Summary, f64) {
             .unwrap_or_else(|e| panic!("{}: {e}", scene.title));
         let (forces, nodes) = (unbalanced_forces(scene, &run.last), unbalanced_nodes(scene, &run.last));
         println!("{}: forces {forces:.1e}, nodes {nodes:?}", scene.title);
-        let summary = Answer::of_run(scene, &run, outcomes).summary;
+        let summary = Summary::of_run(scene, &run, outcomes.as_ref());
         let contrast = summary.grid.as_ref().map_or(1.0, |grid| grid.contrast);
         let equilibrium = (forces / ROUNDED).max(nodes.unwrap_or(0.0)) / contrast.max(1.0).sqrt();
         return (summary, equilibrium);
@@ -66,7 +65,7 @@ fn solved(scene: &Scene) -> (Summary, f64) {
         BoundaryElements::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))
             .unwrap_or_else(|e| panic!("{}: {e}", scene.title))
     });
-    (Answer::of_run(scene, &run, outcomes.flatten()).summary, equilibrium)
+    (Summary::of_run(scene, &run, outcomes.flatten().as_ref()), equilibrium)
 }
 
 fn numbered(number: &str) -> PathBuf {

@@ -1,6 +1,5 @@
 //! Holes in an unbounded medium that supports or obstacles hold: no force may depend on the length in the logarithm.
 
-use steklov_model::Answer;
 use steklov_model::summary::Summary;
 use steklov_tests::{adapt, parse};
 
@@ -39,7 +38,7 @@ fn solved(sides: &[&str], far: Option<f64>, more: &[&str]) -> Summary {
     let text = sides.join("\n") + "\n" + &text;
     let scene = parse(&text, more).unwrap_or_else(|e| panic!("{}", e.render()));
     let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
-    Answer::of_run(&scene, &run, None).summary
+    Summary::of_run(&scene, &run, None)
 }
 
 fn doubts_length(s: &Summary) -> bool {

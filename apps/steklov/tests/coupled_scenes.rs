@@ -4,7 +4,6 @@ use std::sync::atomic::AtomicUsize;
 
 use steklov_document::SceneError;
 use steklov_document::SceneErrorKind as Kind;
-use steklov_model::Answer;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::{self, Progress, Run};
 use steklov_model::summary::Summary;
@@ -46,7 +45,7 @@ fn finished(text: &str, overrides: &[&str]) -> (Scene, Run<OnGrid>) {
 
 fn solve(text: &str, overrides: &[&str]) -> Summary {
     let (scene, run) = finished(text, overrides);
-    Answer::of_run(&scene, &run, None).summary
+    Summary::of_run(&scene, &run, None)
 }
 
 /// Largest difference of two lists of numbers.

@@ -1,8 +1,8 @@
 //! Pictures of made-up fields, from plain to extreme. With `STEKLOV_PICTURES=DIR` the files stay in DIR to be looked at.
 
 use crate::frame::{check, check_up_to, loops, rectangle};
+use steklov_fields::triangulate::{Triangulation, triangulate};
 use steklov_picture::{Body, Colours, ContactSide, Largest, MeshFigure, MeshPanel, Obstacle, body, contact, meshes};
-use steklov_result::triangulate::{Triangulation, triangulate};
 
 /// The areas of the closed lines of an SVG path.
 fn areas(line: &str) -> Vec<f64> {

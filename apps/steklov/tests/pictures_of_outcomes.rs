@@ -1,11 +1,11 @@
 //! Panels, spreads, tiles, boxes and bars of made-up values, from plain to extreme.
 
 use crate::frame::{check, check_up_to, loops, rectangle};
+use steklov_fields::triangulate::triangulate;
 use steklov_picture::{
     BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Shape, Spread, SpreadLoop, Tile, bars, boxes, panels, spread,
     tiles,
 };
-use steklov_result::triangulate::triangulate;
 
 fn pressed([x, y]: [f64; 2]) -> [f64; 2] {
     [0.05 * x * (1.0 + 0.8 * y), -0.07 * (y + 0.5) * (1.0 - x * x) - 0.02 * x * x * (0.5 - y)]

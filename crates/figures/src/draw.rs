@@ -4,14 +4,13 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use steklov_elastic::plane::{cross, distance, dot, minus, norm};
+use steklov_fields::body_part;
 use steklov_io::vtkhdf::Field;
 use steklov_model::solve::contact_rows::ContactRow;
 use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, in_unit, replace, write};
 use steklov_problem::Units;
-use steklov_result::medium::body_part;
 use steklov_result::record::Record;
 
-use crate::factor::largest_factor;
 use crate::grid;
 use crate::probe;
 use crate::stochastic;
@@ -119,7 +118,7 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
     let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
     let (title, obstacles) = (stored.summary.title.as_str(), obstacles.as_slice());
     let largest = largest_displacement(stored);
-    let most = largest_factor(stored);
+    let most = stored.largest_factor();
     let infinite = infinite(stored, view.scalar);
     let (label, noun) = (view.scalar.label(), view.scalar.noun());
     let units = units(stored, view.scalar);

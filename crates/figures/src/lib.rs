@@ -38,7 +38,6 @@ pub use {steklov_picture, steklov_result};
 
 mod beside;
 mod draw;
-mod factor;
 mod meshes;
 mod grid;
 mod probe;
@@ -47,7 +46,6 @@ mod view;
 
 pub use beside::beside;
 pub use draw::{contact_pictures, drawn, obstacles, pictures, positions, side_file, tables};
-pub use factor::largest_factor;
 pub use grid::{Difference, difference, difference_picture};
 pub use meshes::{StepMesh, mesh_picture, mesh_pictures};
 pub use view::{Scalar, Unit, View};

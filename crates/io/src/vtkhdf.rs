@@ -15,35 +15,7 @@ use crate::deflated::Storage::{Deflated, Plain};
 use crate::error::{IoError, damaged, invalid, mismatch, write_error};
 use crate::persist::{create_group, open_group};
 
-/// Values at points or in cells.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Field {
-    /// Name shown by the viewer.
-    pub name: String,
-    /// Unit, stored in an attribute.
-    pub unit: String,
-    /// Numbers per point or cell; 3 make a vector, by which a viewer can warp the grid.
-    pub components: usize,
-    /// Values, component fastest.
-    pub values: Vec<f64>,
-}
-
-/// Points, cells and fields.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Grid {
-    /// Points (length).
-    pub points: Vec<[f64; 2]>,
-    /// Lines of the boundary: part 0, the first cells.
-    pub lines: Vec<[usize; 2]>,
-    /// Triangles of the body: part 1, the cells after the lines.
-    pub triangles: Vec<[usize; 3]>,
-    /// Quadrilaterals of the body, counter-clockwise: part 1, the last cells.
-    pub quads: Vec<[usize; 4]>,
-    /// Fields on the points.
-    pub point_data: Vec<Field>,
-    /// Fields on the cells: lines first, then triangles, then quadrilaterals.
-    pub cell_data: Vec<Field>,
-}
+pub use steklov_unstructured::{Field, Grid};
 
 const LINE: u8 = 3;
 const TRIANGLE: u8 = 5;

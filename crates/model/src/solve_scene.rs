@@ -1,21 +1,25 @@
 //! The entry point for programs: a scene in, its numbers out.
 
+use std::fmt;
 use std::sync::atomic::AtomicUsize;
 
-use steklov_problem::Scene;
+use steklov_elastic::plane::distance;
+use steklov_problem::{ProbeLine, Scene};
 
+use crate::answer::probes;
+use crate::answer::singular_points::{is_among, singular_points};
 use crate::error::SolveError;
 use crate::grid::OnGrid;
 use crate::run::adaptive_loop::{Event, Model, Progress, Run, run};
-use crate::run::answer::answer;
+use crate::run::answer::summary_and_contact;
 use crate::run::boundary_elements::BoundaryElements;
-use crate::solve::contact_rows::{ContactRow, contact_rows};
+use crate::solve::contact_rows::{ContactRow, Trace};
+use crate::solve::solution::TieRow;
 use crate::stage::Stage;
 use crate::stochastic::StochasticResult;
-use crate::summary::Summary;
+use crate::summary::{LinePoint, LineProbe, SideProbe, Summary};
 
 /// A scene that is solved.
-#[derive(Debug, Clone)]
 pub struct Answer {
     /// Energies, the estimate and its doubts, contact with its force, length and ends, reactions, probes: the JSON object of the command.
     pub summary: Summary,
@@ -23,14 +27,95 @@ pub struct Answer {
     pub contact: Vec<ContactRow>,
     /// All outcomes of random input, with mean, variance and quantiles of quantities; `None` if nothing is random, or the run ended before.
     pub outcomes: Option<StochasticResult>,
+    /// The steps, and the last solution.
+    pub run: AnyRun,
+}
+
+/// A run of either model; its matrices are released unless outcomes of random input need them.
+pub enum AnyRun {
+    /// Of boundary elements.
+    BoundaryElements(Box<Run<BoundaryElements>>),
+    /// Of finite elements on a grid.
+    OnGrid(Box<Run<OnGrid>>),
+}
+
+impl AnyRun {
+    /// The boundary of the last solution: its elements, their nodes and the displacement there.
+    pub fn trace(&self) -> Trace<'_> {
+        match self {
+            Self::BoundaryElements(run) => run.last.trace(),
+            Self::OnGrid(run) => run.last.trace(),
+        }
+    }
+
+    /// The nodes of ties between bodies.
+    pub fn ties(&self) -> &[TieRow] {
+        match self {
+            Self::BoundaryElements(run) => &run.last.ties,
+            Self::OnGrid(_) => &[],
+        }
+    }
+}
+
+impl fmt::Debug for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Answer").field("summary", &self.summary).finish_non_exhaustive()
+    }
 }
 
 impl Answer {
-    /// The numbers of a run, with all outcomes of its random input if they were solved.
-    pub fn of_run<M: Model>(scene: &Scene, run: &Run<M>, outcomes: Option<StochasticResult>) -> Self {
-        let report = M::report(scene, run);
-        let contact = report.contact.map_or(Vec::new(), |contact| contact_rows(report.trace, contact));
-        Self { summary: answer(scene, run, report, &contact, outcomes.as_ref()), contact, outcomes }
+    /// Displacement and stress at points, those of the mean of random input, each with its distance from the first along them all; NaN
+    /// where no body is. `scene` is the one that was solved.
+    ///
+    /// *Fails when* a point is nearer to the boundary than [`Polygon::tolerance`](steklov_bem_operators::Polygon::tolerance) and not meant
+    /// to be on it: it has the values of the boundary. *Cost*: for each point an integral over the boundary, some microseconds an element.
+    pub fn at(&self, scene: &Scene, points: &[[f64; 2]]) -> Vec<LinePoint> {
+        let mut s = 0.0;
+        let place = |k: usize| {
+            s += if k > 0 { distance(points[k - 1], points[k]) } else { 0.0 };
+            (s, points[k])
+        };
+        self.at_places(scene, (0..points.len()).map(place).collect())
+    }
+
+    /// The same along a line.
+    pub fn along(&self, scene: &Scene, line: &ProbeLine) -> Vec<LinePoint> {
+        self.at_places(scene, line.places())
+    }
+
+    fn at_places(&self, scene: &Scene, places: Vec<(f64, [f64; 2])>) -> Vec<LinePoint> {
+        let points = match &self.run {
+            AnyRun::BoundaryElements(run) => probes::points(scene, places, |spot, x| run.last.at(spot, x)),
+            AnyRun::OnGrid(run) => probes::points(scene, places, |spot, x| OnGrid::at(&run.last, spot, x)),
+        };
+        let mut line = LineProbe { from: [0.0; 2], to: [0.0; 2], points };
+        self.tell_unbounded(scene, std::slice::from_mut(&mut line), &mut []);
+        line.points
+    }
+
+    /// Displacement, traction and stress along a side, by its number.
+    ///
+    /// # Panics
+    /// If there is no such side.
+    pub fn along_side(&self, scene: &Scene, side: usize) -> SideProbe {
+        let mut sides = match &self.run {
+            AnyRun::BoundaryElements(run) => BoundaryElements::along_sides(scene, &run.last, &[side]),
+            AnyRun::OnGrid(run) => OnGrid::along_sides(scene, &run.last, &[side]),
+        };
+        self.tell_unbounded(scene, &mut [], &mut sides);
+        sides.swap_remove(0)
+    }
+
+    /// Takes the stresses from points where they are infinite.
+    fn tell_unbounded(&self, scene: &Scene, lines: &mut [LineProbe], sides: &mut [SideProbe]) {
+        let exact = match &self.run {
+            AnyRun::BoundaryElements(run) => BoundaryElements::is_exact(run),
+            AnyRun::OnGrid(run) => OnGrid::is_exact(run),
+        };
+        if !exact {
+            let singular = singular_points(scene, self.run.trace().mesh, &self.contact);
+            probes::tell_unbounded(&mut [], lines, sides, is_among(scene, &singular));
+        }
     }
 }
 
@@ -74,12 +159,17 @@ pub enum Told {
 pub fn solve_watched(scene: &Scene, watch: &Watch<'_>) -> Result<Answer, SolveError> {
     scene.check()?;
     match scene.is_on_grid() {
-        true => solve_from(scene, Progress::<OnGrid>::new(scene, Vec::new())?, watch),
-        false => solve_from(scene, Progress::<BoundaryElements>::first(scene), watch),
+        true => solve_from(scene, Progress::<OnGrid>::new(scene, Vec::new())?, watch, AnyRun::OnGrid),
+        false => solve_from(scene, Progress::<BoundaryElements>::first(scene), watch, AnyRun::BoundaryElements),
     }
 }
 
-fn solve_from<M: Model>(scene: &Scene, first: Progress<M>, watch: &Watch<'_>) -> Result<Answer, SolveError> {
+fn solve_from<M: Model>(
+    scene: &Scene,
+    first: Progress<M>,
+    watch: &Watch<'_>,
+    of: fn(Box<Run<M>>) -> AnyRun,
+) -> Result<Answer, SolveError> {
     let mut run = run(scene, first, watch.interrupts, &mut |step, event| {
         if let Event::Stage(Stage::Progress(what, share)) = event {
             (watch.tell)(Told::Step(step, what, share));
@@ -88,5 +178,7 @@ fn solve_from<M: Model>(scene: &Scene, first: Progress<M>, watch: &Watch<'_>) ->
     })?;
     let tell = |done, count| (watch.tell)(Told::Outcomes(done, count));
     let outcomes = M::outcomes(scene, &mut run, watch.interrupts, &tell, &mut |_| Ok(()))?;
-    Ok(Answer::of_run(scene, &run, outcomes))
+    let (summary, contact) = summary_and_contact(scene, &run, outcomes.as_ref());
+    run.matrices = run.matrices.filter(|_| outcomes.is_some());
+    Ok(Answer { summary, contact, outcomes, run: of(Box::new(run)) })
 }

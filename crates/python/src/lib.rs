@@ -1,81 +1,32 @@
 //! The extension module of the Python package `steklov`: scenes planned and solved, with the GIL released. What is comfortable about the
 //! package is written in Python, in `python/steklov`.
 
+mod answer;
+
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Mutex, Once, PoisonError};
 use std::time::Duration;
 
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use steklov_algebra::PARTS;
 use steklov_document::{Document, SceneError};
 use steklov_model::error::SolveError;
-use steklov_model::numbers::numbers;
 use steklov_model::run::expect::check_expect;
-use steklov_model::solve::contact_rows::ContactRow;
-use steklov_model::summary::{Summary, available_memory_bytes};
+use steklov_model::summary::available_memory_bytes;
 use steklov_model::{Told, Watch, solve_watched};
 use steklov_plan::{explain, refused};
+
+use crate::answer::Solved;
 
 /// How often Python looks for signals while a scene is solved.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Stack of each thread, as large as that of a process usually is.
 const STACK: usize = 8 << 20;
-
-/// A column of the contact table: its name, and its number in a row.
-type Column = (&'static str, fn(&ContactRow) -> f64);
-
-/// A scene that is solved.
-#[pyclass(frozen)]
-struct Answer {
-    summary: Summary,
-    contact: Vec<ContactRow>,
-    sides: Vec<String>,
-}
-
-#[pymethods]
-impl Answer {
-    /// The JSON object of `steklov solve --json`.
-    fn json(&self) -> PyResult<String> {
-        serde_json::to_string(&self.summary).map_err(|e| pyo3::exceptions::PyValueError::new_err(e.to_string()))
-    }
-
-    /// Paths and values of all numbers.
-    fn numbers(&self) -> Vec<(String, f64)> {
-        numbers(&serde_json::to_value(&self.summary).unwrap_or_default())
-    }
-
-    /// The table of all contact nodes: a column for each of their numbers.
-    fn contact<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let table = PyDict::new(py);
-        let rows = &self.contact;
-        table.set_item("side", rows.iter().map(|row| self.sides[row.side].as_str()).collect::<Vec<_>>())?;
-        let points: [fn(&ContactRow) -> [f64; 2]; 2] = [|row| row.point, |row| row.normal];
-        for (name, value) in ["point", "normal"].into_iter().zip(points) {
-            let vectors: Vec<Vec<f64>> = rows.iter().map(|row| value(row).to_vec()).collect();
-            table.set_item(name, PyArray2::from_vec2(py, &vectors)?)?;
-        }
-        let columns: [Column; 7] = [
-            ("gap", |row| row.gap),
-            ("normal_displacement", |row| row.normal_displacement),
-            ("tangential_displacement", |row| row.tangential_displacement),
-            ("pressure", |row| row.pressure),
-            ("shear", |row| row.shear),
-            ("bound", |row| row.bound),
-            ("weight", |row| row.weight),
-        ];
-        for (name, value) in columns {
-            table.set_item(name, PyArray1::from_iter(py, rows.iter().map(value)))?;
-        }
-        table.set_item("status", PyArray1::from_iter(py, rows.iter().map(|row| row.status)))?;
-        Ok(table)
-    }
-}
 
 /// What would be modelled and why, and what it costs, as JSON.
 #[pyfunction]
@@ -94,7 +45,7 @@ fn solve(
     name: &str,
     overrides: Vec<String>,
     progress: Option<Bound<'_, PyAny>>,
-) -> PyResult<Answer> {
+) -> PyResult<Solved> {
     start_threads();
     let mut document = read(py, text, name, &overrides)?;
     if document.scene.method.max_dofs.is_none() && !document.scene.is_on_grid() {
@@ -124,16 +75,26 @@ fn solve(
     })?;
     let solved = solved.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
     match solved {
-        Ok(answer) => {
-            let sides = scene.problem.sides.iter().map(|side| side.name.clone()).collect();
-            Ok(Answer { summary: answer.summary, contact: answer.contact, sides })
-        }
+        Ok(answer) => Ok(Solved { document, answer }),
         Err(SolveError::Interrupted) => Err(PyKeyboardInterrupt::new_err("the solution was stopped")),
         Err(error) => Err(match explain(scene, error) {
             Ok(error) => scene_error(py, &document.error(error)),
             Err(error) => raised(py, "SolveError", (error.to_string(),)),
         }),
     }
+}
+
+/// The interval of the colours of values at the points of triangles: without those of singular points.
+#[pyfunction]
+fn colour_interval(
+    points: PyReadonlyArray2<'_, f64>,
+    triangles: PyReadonlyArray2<'_, i64>,
+    values: PyReadonlyArray1<'_, f64>,
+) -> [f64; 2] {
+    let points: Vec<[f64; 2]> = points.as_array().rows().into_iter().map(|row| [row[0], row[1]]).collect();
+    let triangles: Vec<[usize; 3]> =
+        triangles.as_array().rows().into_iter().map(|row| [0, 1, 2].map(|k| row[k] as usize)).collect();
+    steklov_picture::colour_interval(&points, &triangles, &values.as_array().to_vec())
 }
 
 /// As many threads as processors, and the same bits for any number of them.
@@ -191,5 +152,7 @@ fn raised<'py>(py: Python<'py>, name: &str, arguments: impl pyo3::call::PyCallAr
 #[pymodule]
 mod _steklov {
     #[pymodule_export]
-    use super::{Answer, plan, solve};
+    use super::{colour_interval, plan, solve};
+    #[pymodule_export]
+    use crate::answer::Solved;
 }

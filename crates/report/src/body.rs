@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use steklov_elastic::plane::norm;
-use steklov_figures::{largest_factor, obstacles};
+use steklov_figures::obstacles;
 use steklov_io::vtkhdf::{Field, Grid};
 use steklov_picture::{exaggeration, lattice_triangles};
 use steklov_result::grid::{GridRecord, of_quads};
@@ -78,8 +78,10 @@ pub(crate) fn body(stored: &Record) -> Option<Body> {
     let extent = [0, 1].map(|i| far(i).fold(f64::NEG_INFINITY, f64::max) - far(i).fold(f64::INFINITY, f64::min));
     let size = extent[0].max(extent[1]);
     let displacements = stored.displacement.iter().chain(&body.displacement).map(|u| norm(*u));
-    body.magnification =
-        exaggeration(displacements.filter(|u| u.is_finite()).fold(0.0, f64::max) / size, largest_factor(stored).factor);
+    body.magnification = exaggeration(
+        displacements.filter(|u| u.is_finite()).fold(0.0, f64::max) / size,
+        stored.largest_factor().factor,
+    );
     body.walls = obstacles(stored);
     (!body.triangles.is_empty() && body.points.len() <= MOST_POINTS).then_some(body)
 }

@@ -1,5 +1,6 @@
 //! The part of a run that a result file keeps, for boundary elements and for finite elements on grids.
 
+use steklov_fields::{bodies, cells};
 use steklov_io::vtkhdf::Grid;
 use steklov_io::{File, Group, IoError, invalid, vtkhdf};
 use steklov_model::data::on_mesh::OnMesh;
@@ -14,7 +15,6 @@ use steklov_model::solve::solution::TieRow;
 use steklov_model::stochastic::StochasticResult;
 use steklov_problem::{Scene, moduli, poisson_ratios};
 
-use crate::body_grid::body_grid;
 use crate::grid::{GridRecord, record, store as grid};
 use crate::steps;
 
@@ -81,7 +81,7 @@ impl Keep for BoundaryElements {
             prescribed
                 .extend(rule.points.iter().map(|&t| or_nan(data.given_traction(e, t, solved.on_boundary(e, t).0))));
         }
-        let grid = body_grid(scene, solved, outcomes.zip(run.matrices.as_ref()));
+        let grid = bodies(scene, run, outcomes);
         Fields { grid, traction, prescribed, on_grid: None, ties: solved.ties.clone() }
     }
 }
@@ -127,7 +127,7 @@ impl Keep for OnGrid {
             (point, e, [xx * nx + xy * ny, xy * nx + yy * ny])
         };
         Fields {
-            grid: record::vtk(solved, outcomes.and_then(|result| result.in_body.as_ref())),
+            grid: cells(solved, outcomes),
             traction: (0..mesh.len()).map(traction).collect(),
             prescribed: (0..mesh.len())
                 .map(|e| or_nan(data.given_traction(e, 0.0, solved.at(mesh.point(e, 0.0)).0)))

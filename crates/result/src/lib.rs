@@ -39,18 +39,18 @@
 //! ```
 
 // the crates whose types are in the interface
-pub use {steklov_document, steklov_io, steklov_model, steklov_plan, steklov_problem};
+pub use {steklov_document, steklov_fields, steklov_io, steklov_model, steklov_plan, steklov_problem};
 
-mod body_grid;
-mod follow;
+mod answer;
 pub mod grid;
 pub mod history;
 pub mod keep;
-pub mod medium;
+mod medium;
 pub mod outcomes;
 mod probes;
 pub mod record;
 pub mod stages;
 pub mod steps;
 pub mod store;
-pub mod triangulate;
+
+pub use answer::save;

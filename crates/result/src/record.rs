@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use steklov_bem_operators::Mesh;
+use steklov_fields::steklov_picture::Largest;
+use steklov_fields::{Deformed, Window, add_medium, largest_factor, window};
 use steklov_io::vtkhdf::Grid;
 use steklov_model::run::adaptive_loop::Run;
 use steklov_model::run::answer::answer;
@@ -16,7 +18,6 @@ use steklov_problem::Scene;
 
 use crate::grid::GridRecord;
 use crate::keep::{Fields, Keep};
-use crate::medium::{Window, add_medium, window};
 
 /// A result: the arrays of the result file and the numbers of its summary.
 #[derive(Debug, Clone)]
@@ -97,5 +98,18 @@ impl Record {
             on_grid,
             around,
         }
+    }
+
+    /// The largest factor at which its displacements may be drawn.
+    pub fn largest_factor(&self) -> Largest {
+        largest_factor(&Deformed {
+            points: &self.points,
+            displacement: &self.displacement,
+            side_names: &self.mesh.side_names,
+            interfaces: &self.summary.interfaces,
+            contact: &self.contact,
+            ties: &self.ties,
+            grid: &self.grid,
+        })
     }
 }

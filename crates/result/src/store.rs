@@ -120,7 +120,7 @@ pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoErro
     save_bodies(file, record)?;
     save_interfaces(file, record)?;
     if let Some((around, window)) = &record.around {
-        medium::store::write(file, around, window)?;
+        medium::write(file, around, window)?;
     }
     match &record.stochastic {
         Some(result) => outcomes::write(&stochastic(file)?, result)?,
@@ -357,7 +357,7 @@ pub fn read(file: &File) -> Result<Record, IoError> {
     }
     let ties = load_ties(file, &summary)?;
     let grid = vtkhdf::read(file)?;
-    medium::store::check(file, summary.exterior.as_ref(), &grid)?;
+    medium::check(file, summary.exterior.as_ref(), &grid)?;
     let stochastic = match file.link_exists("stochastic") {
         true => {
             let estimator = summary.estimators.as_ref().and_then(|all| all.stochastic.clone());

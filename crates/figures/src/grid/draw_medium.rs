@@ -5,7 +5,6 @@ use steklov_result::record::Record;
 
 use super::draw::deformed;
 use crate::draw::{infinite, largest_displacement, units};
-use crate::factor::largest_factor;
 use crate::view::View;
 
 /// Body and medium, deformed by the same factor and coloured by a field; None for other results.
@@ -56,7 +55,7 @@ pub(crate) fn medium(stored: &Record, view: &View) -> Result<Option<Picture>, Pi
         outline,
         obstacles: &[],
         window: view.window,
-        most: largest_factor(stored),
+        most: stored.largest_factor(),
         enlarge: view.enlarge,
         units: units(stored, view.scalar),
     })

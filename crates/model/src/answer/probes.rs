@@ -12,6 +12,16 @@ type State = ([f64; 2], [f64; 3]);
 
 /// Displacement and stress along the lines of a scene, as `at` has them at a point where something lies.
 pub(crate) fn lines(scene: &Scene, at: impl Fn(Spot, [f64; 2]) -> State + Sync) -> Vec<LineProbe> {
+    let line = |line: &ProbeLine| LineProbe { from: line.from, to: line.to, points: points(scene, line.places(), &at) };
+    scene.probe_lines.iter().map(line).collect()
+}
+
+/// Displacement and stress at points, each with its distance along a line; NaN where no body is.
+pub(crate) fn points(
+    scene: &Scene,
+    places: Vec<(f64, [f64; 2])>,
+    at: impl Fn(Spot, [f64; 2]) -> State + Sync,
+) -> Vec<LinePoint> {
     let problem = &scene.problem;
     let names = problem.bodies.len() > 1;
     let point = |(s, x): (f64, [f64; 2])| {
@@ -28,19 +38,15 @@ pub(crate) fn lines(scene: &Scene, at: impl Fn(Spot, [f64; 2]) -> State + Sync) 
             stress_unbounded: false,
         }
     };
-    let line = |line: &ProbeLine| LineProbe {
-        from: line.from,
-        to: line.to,
-        points: line.places().into_par_iter().map(point).collect(),
-    };
-    scene.probe_lines.iter().map(line).collect()
+    places.into_par_iter().map(point).collect()
 }
 
-/// Displacement, traction and stress along the sides of a scene: `at` has displacement, stress and traction at a reference coordinate
-/// of an element of the boundary, `coordinates` those coordinates.
-pub(crate) fn sides(
+/// Displacement, traction and stress along sides: `at` has displacement, stress and traction at a reference coordinate of an element
+/// of the boundary, `coordinates` those coordinates.
+pub(crate) fn along_sides(
     scene: &Scene,
     mesh: &Mesh,
+    sides: &[usize],
     coordinates: impl Fn(usize) -> Vec<f64>,
     at: impl Fn(usize, f64) -> (State, [f64; 2]),
 ) -> Vec<SideProbe> {
@@ -76,7 +82,7 @@ pub(crate) fn sides(
         }
         SideProbe { side: scene.problem.sides[side].name.clone(), points }
     };
-    scene.probe_sides.iter().map(probe).collect()
+    sides.iter().map(probe).collect()
 }
 
 /// The part of the length of an element up to a reference coordinate.

@@ -9,7 +9,7 @@ use super::solution::GridSolved;
 use crate::answer::probes;
 use crate::run::report::Report;
 use crate::solve::medium::Around;
-use crate::summary::{GridSummary, Probe};
+use crate::summary::{GridSummary, Probe, SideProbe};
 
 impl GridSolved {
     /// Displacement and stress at a point of the body or its boundary.
@@ -18,6 +18,29 @@ impl GridSolved {
     /// Outside of the body.
     pub fn at(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
         self.body.at(&self.displacement, x).unwrap_or_else(|| panic!("({}, {}) is not in the body", x[0], x[1]))
+    }
+
+    /// Displacement and stress at a point where something lies.
+    pub(super) fn at_spot(&self, spot: Spot, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        match &self.around {
+            Some(around) if spot.body > 0 => around.at(x),
+            _ => self.at(x),
+        }
+    }
+
+    /// Displacement, traction and stress at the middles of the sides of fine cells along sides of the body.
+    pub(super) fn along_sides(&self, scene: &Scene, sides: &[usize]) -> Vec<SideProbe> {
+        let mesh = self.trace().mesh;
+        let middles = |e: usize| {
+            let cells = self.trace.points(e).len() - 1;
+            (0..cells).map(|k| (2 * k + 1) as f64 / cells as f64 - 1.0).collect()
+        };
+        let at = |e: usize, t: f64| {
+            let state @ (_, [xx, yy, xy]) = self.at(mesh.point(e, t));
+            let [nx, ny] = mesh.normal(e, t);
+            (state, [xx * nx + xy * ny, xy * nx + yy * ny])
+        };
+        probes::along_sides(scene, mesh, sides, middles, at)
     }
 }
 
@@ -40,20 +63,7 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         };
         Probe { point, displacement, stress, stress_unbounded: false }
     };
-    let at = |spot: Spot, x: [f64; 2]| match &solved.around {
-        Some(around) if spot.body > 0 => around.at(x),
-        _ => solved.at(x),
-    };
     let trace = solved.trace();
-    let middles = |e: usize| {
-        let cells = solved.trace.points(e).len() - 1;
-        (0..cells).map(|k| (2 * k + 1) as f64 / cells as f64 - 1.0).collect()
-    };
-    let on_side = |e: usize, t: f64| {
-        let state @ (_, [xx, yy, xy]) = solved.at(trace.mesh.point(e, t));
-        let [nx, ny] = trace.mesh.normal(e, t);
-        (state, [xx * nx + xy * ny, xy * nx + yy * ny])
-    };
     Report {
         energies: solved.energies,
         energy: correction.map(|c| [solved.energies.total - c, c]),
@@ -63,14 +73,13 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
             .method
             .has_residuals()
             .then(|| estimate.map_or_else(Default::default, GridEstimate::estimators)),
-        exact: false,
         trace,
         contact: solved.contact.as_ref(),
         located: None,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(probe).collect(),
-        lines: probes::lines(scene, at),
-        sides: probes::sides(scene, trace.mesh, middles, on_side),
+        lines: probes::lines(scene, |spot, x| solved.at_spot(spot, x)),
+        sides: solved.along_sides(scene, &scene.probe_sides),
         grid: Some(grid_summary(solved)),
         around: solved.around.as_ref(),
         exterior: solved.around.as_ref().map(Around::summary),

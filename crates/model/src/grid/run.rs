@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_algebra::once_more;
-use steklov_problem::{Refine, Scene};
+use steklov_problem::{Refine, Scene, Spot};
 
 use super::answer;
 use super::error_parts::GridEstimate;
@@ -16,6 +16,7 @@ use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, se
 use crate::run::report::Report;
 use crate::stage::Stage;
 use crate::stochastic::{OutcomeStage, StochasticResult, solve_stochastic_on_grid};
+use crate::summary::SideProbe;
 
 /// Dörfler's θ where the scene has none.
 pub const MARKING: f64 = 0.5;
@@ -110,6 +111,14 @@ impl Model for OnGrid {
 
     fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a> {
         answer::report(scene, &run.last)
+    }
+
+    fn at(solved: &GridSolved, spot: Spot, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        solved.at_spot(spot, x)
+    }
+
+    fn along_sides(scene: &Scene, solved: &GridSolved, sides: &[usize]) -> Vec<SideProbe> {
+        solved.along_sides(scene, sides)
     }
 }
 

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use steklov_algebra::once_more;
-use steklov_problem::Scene;
+use steklov_problem::{Scene, Spot};
 
 use crate::error::SolveError;
 use crate::run::memory::Lack;
@@ -20,6 +20,7 @@ use crate::solve::solution::Seconds;
 use crate::stage::Stage;
 use crate::stochastic::number::check_quantities;
 use crate::stochastic::{End, OutcomeStage, StochasticResult};
+use crate::summary::SideProbe;
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,7 +75,7 @@ pub trait Model: Debug + Clone + PartialEq {
     /// The estimate of a step.
     type Estimate: Debug + Clone + PartialEq + Send;
     /// A solved layout.
-    type Solved: Send;
+    type Solved: Send + Sync;
     /// The factored matrices.
     type Matrices: Send;
     /// Data that one step passes to the next, besides its layout.
@@ -96,6 +97,17 @@ pub trait Model: Debug + Clone + PartialEq {
 
     /// The report of the last solution.
     fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a>;
+
+    /// Whether the last solution is known to be exact.
+    fn is_exact(_: &Run<Self>) -> bool {
+        false
+    }
+
+    /// Displacement and stress of a solution at a point where something lies.
+    fn at(solved: &Self::Solved, spot: Spot, x: [f64; 2]) -> ([f64; 2], [f64; 3]);
+
+    /// Displacement, traction and stress of a solution along sides, by their numbers.
+    fn along_sides(scene: &Scene, solved: &Self::Solved, sides: &[usize]) -> Vec<SideProbe>;
 
     /// The outcomes of random input on the last step of a run that went well; the run says why there are none or not all.
     ///

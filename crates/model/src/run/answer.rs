@@ -13,9 +13,27 @@ use crate::run::adaptive_loop::{Model, Reason, Run};
 use crate::run::expect::expected;
 use crate::run::report::Report;
 use crate::solve::contact::ContactResult;
-use crate::solve::contact_rows::ContactRow;
+use crate::solve::contact_rows::{ContactRow, contact_rows};
 use crate::stochastic::{self, StochasticResult};
 use crate::summary::{Audit, ContactSummary, MediumSummary, SecondsSummary, Summary, peak_memory_bytes};
+
+impl Summary {
+    /// The numbers of a run, with all outcomes of its random input if they were solved.
+    pub fn of_run<M: Model>(scene: &Scene, run: &Run<M>, outcomes: Option<&StochasticResult>) -> Self {
+        summary_and_contact(scene, run, outcomes).0
+    }
+}
+
+/// The numbers of a run, and the contact table.
+pub(crate) fn summary_and_contact<M: Model>(
+    scene: &Scene,
+    run: &Run<M>,
+    outcomes: Option<&StochasticResult>,
+) -> (Summary, Vec<ContactRow>) {
+    let report = M::report(scene, run);
+    let rows = report.contact.map_or(Vec::new(), |contact| contact_rows(report.trace, contact));
+    (answer(scene, run, report, &rows, outcomes), rows)
+}
 
 /// The numbers of a run with all outcomes of its random input; `report` is that of its last solution, `rows` are those of the
 /// contact table.
@@ -26,7 +44,8 @@ pub fn answer<M: Model>(
     rows: &[ContactRow],
     outcomes: Option<&StochasticResult>,
 ) -> Summary {
-    let Report { energies, contact, mut probe, mut lines, mut sides, exterior, exact, .. } = report;
+    let Report { energies, contact, mut probe, mut lines, mut sides, exterior, .. } = report;
+    let exact = M::is_exact(run);
     // an exact field has no singular part
     let singular = if exact { Vec::new() } else { singular_points::singular_points(scene, report.trace.mesh, rows) };
     probes::tell_unbounded(&mut probe, &mut lines, &mut sides, singular_points::is_among(scene, &singular));

@@ -6,8 +6,9 @@ use std::time::Instant;
 use steklov_algebra::once_more;
 use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
 use steklov_contact::{Located, Tip};
-use steklov_problem::{Refine, Scene};
+use steklov_problem::{Refine, Scene, Spot};
 
+use crate::answer::probes;
 use crate::doubt::Doubt;
 use crate::error::SolveError;
 use crate::estimate::elastic::EnrichedBody;
@@ -23,6 +24,7 @@ use crate::solve::one_mesh::solve;
 use crate::solve::solution::Solved;
 use crate::stage::Stage;
 use crate::stochastic::{OutcomeStage, StochasticResult, mean_estimate, solve_stochastic};
+use crate::summary::SideProbe;
 
 /// Boundary elements, as a [`Model`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -216,6 +218,23 @@ impl Model for BoundaryElements {
     fn report<'a>(scene: &Scene, run: &'a Run<BoundaryElements>) -> Report<'a> {
         let step = run.step();
         boundary_report::report(scene, &run.last, step.estimate.as_ref(), &step.layout.located)
+    }
+
+    fn is_exact(run: &Run<BoundaryElements>) -> bool {
+        run.step().estimate.as_ref().is_some_and(|e| e.relative < ROUNDOFF)
+    }
+
+    fn at(solved: &Solved, spot: Spot, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        solved.at(spot, x)
+    }
+
+    fn along_sides(scene: &Scene, solved: &Solved, sides: &[usize]) -> Vec<SideProbe> {
+        let equally_spaced = |e: usize| {
+            let parts = 2 * solved.space.degree(e);
+            (0..=parts).map(|k| (2.0 * k as f64 - parts as f64) / parts as f64).collect()
+        };
+        let at = |e, t| (solved.on_boundary(e, t), solved.traction(e, t));
+        probes::along_sides(scene, &solved.mesh, sides, equally_spaced, at)
     }
 
     fn outcomes(

@@ -9,9 +9,11 @@ use crate::answer::interfaces;
 use crate::answer::probes;
 use crate::answer::report::located;
 use crate::data::on_mesh::OnMesh;
-use crate::estimate::error_estimate::{Estimate, ROUNDOFF};
+use crate::estimate::error_estimate::Estimate;
 use crate::estimate::residual::estimator;
 use crate::estimators::Estimators;
+use crate::run::adaptive_loop::Model as _;
+use crate::run::boundary_elements::BoundaryElements;
 use crate::run::report::Report;
 use crate::solve::contact_rows::contact_rows;
 use crate::solve::medium::Around;
@@ -46,19 +48,13 @@ pub(crate) fn report<'a>(
         error: estimate.map(|e| [e.error, e.relative]),
         doubts: doubts.chain(interfaces::doubts(scene, solved, &interfaces, &reach)).collect(),
         estimators: scene.method.has_residuals().then(|| estimators(scene, solved, estimate)),
-        exact: estimate.is_some_and(|e| e.relative < ROUNDOFF),
         trace: solved.trace(),
         contact: solved.contact.as_ref(),
         located,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(|&x| solved.probe(scene, x)).collect(),
         lines: probes::lines(scene, |spot, x| solved.at(spot, x)),
-        sides: probes::sides(
-            scene,
-            &solved.mesh,
-            |e| equally_spaced(2 * solved.space.degree(e)),
-            |e, t| (solved.on_boundary(e, t), solved.traction(e, t)),
-        ),
+        sides: BoundaryElements::along_sides(scene, solved, &scene.probe_sides),
         grid: None,
         around: solved.around.as_ref(),
         exterior: solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, solved)),
@@ -66,11 +62,6 @@ pub(crate) fn report<'a>(
         interfaces,
         reach,
     }
-}
-
-/// Reference coordinates of the ends of equal parts of an element.
-fn equally_spaced(parts: usize) -> Vec<f64> {
-    (0..=parts).map(|k| (2.0 * k as f64 - parts as f64) / parts as f64).collect()
 }
 
 /// The residual estimator of the solution, that of stabilised multipliers or the other one; none for a mesh without residuals.

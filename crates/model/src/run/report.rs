@@ -24,8 +24,6 @@ pub struct Report<'a> {
     pub estimators: Option<Estimators>,
     /// What makes the estimate unreliable.
     pub doubts: Vec<Doubt>,
-    /// Whether the solution is known to be exact.
-    pub exact: bool,
     /// The boundary.
     pub trace: Trace<'a>,
     /// Contact, if there is any.

@@ -5,7 +5,7 @@ use steklov_bem_operators::Polygon;
 use steklov_elastic::plane::distance;
 use steklov_model::solve::medium::Around;
 
-use crate::body_grid::chords;
+use crate::bodies::chords;
 use crate::triangulate::{Triangulation, triangulate};
 
 /// Distance of the window's sides from the body, in diameters of the body.
@@ -26,7 +26,7 @@ pub struct Window {
 }
 
 /// The medium around the outer loop of a body; without triangles if the outline cannot be triangulated.
-pub(crate) fn window(body: &Polygon, around: &Around) -> Window {
+pub fn window(body: &Polygon, around: &Around) -> Window {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let interface: Vec<_> = body.traversal(0).into_iter().flat_map(|k| chords(body, k)).collect();
     for chord in &interface {

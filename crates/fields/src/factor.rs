@@ -2,9 +2,12 @@
 
 use steklov_elastic::plane::{cross, distance, minus, norm};
 use steklov_model::solve::contact_rows::ContactRow;
+use steklov_model::solve::solution::TieRow;
+use steklov_model::summary::InterfaceSummary;
 use steklov_picture::Largest;
-use steklov_result::medium::body_part;
-use steklov_result::record::Record;
+use steklov_unstructured::Grid;
+
+use crate::medium::body_part;
 
 /// Distances and overlaps of bodies below this part of their extent are hardly visible.
 const HARDLY_SEEN: f64 = 4e-3;
@@ -13,16 +16,35 @@ const FOLD: f64 = 1e-3;
 /// Points closer than this part of the extent coincide.
 const ONE: f64 = 1e-9;
 
+/// A deformed body, or several: what limits the factor of their displacements.
+#[derive(Debug, Clone, Copy)]
+pub struct Deformed<'a> {
+    /// Nodes of the boundary.
+    pub points: &'a [[f64; 2]],
+    /// Displacement there.
+    pub displacement: &'a [[f64; 2]],
+    /// Names of the sides.
+    pub side_names: &'a [String],
+    /// Interfaces between bodies.
+    pub interfaces: &'a [InterfaceSummary],
+    /// Rows of the contact table.
+    pub contact: &'a [ContactRow],
+    /// Rows of the tables of ties.
+    pub ties: &'a [TieRow],
+    /// The fields.
+    pub grid: &'a Grid,
+}
+
 /// The largest factor k of displacements at which touching bodies visibly touch, other bodies do not overlap, and no
 /// visible part of a body is folded over.
-pub fn largest_factor(stored: &Record) -> Largest {
+pub fn largest_factor(deformed: &Deformed<'_>) -> Largest {
     let extent = |i: usize| {
-        let along = || stored.points.iter().map(|x| x[i]);
+        let along = || deformed.points.iter().map(|x| x[i]);
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
     };
     let extent = extent(0).max(extent(1));
-    let between_bodies = of_contact(stored, HARDLY_SEEN * extent).min(of_ties(stored, extent));
-    let unfolded = of_folds(stored, FOLD * extent);
+    let between_bodies = of_contact(deformed, HARDLY_SEEN * extent).min(of_ties(deformed, extent));
+    let unfolded = of_folds(deformed, FOLD * extent);
     match between_bodies <= unfolded {
         true => Largest { factor: between_bodies, why: "the bodies would overlap or part at more" },
         false => Largest { factor: unfolded, why: "the body would fold at its corners at more" },
@@ -30,35 +52,35 @@ pub fn largest_factor(stored: &Record) -> Largest {
 }
 
 /// The largest factor for contact between bodies: displacements close u_n of the gap g, which is drawn as g - k u_n.
-fn of_contact(stored: &Record, hardly_seen: f64) -> f64 {
-    let joined: Vec<&String> = stored.summary.interfaces.iter().flat_map(|i| &i.sides[0]).collect();
-    let between = |row: &&ContactRow| joined.contains(&&stored.mesh.side_names[row.side]);
+fn of_contact(deformed: &Deformed<'_>, hardly_seen: f64) -> f64 {
+    let joined: Vec<&String> = deformed.interfaces.iter().flat_map(|i| &i.sides[0]).collect();
+    let between = |row: &&ContactRow| joined.contains(&&deformed.side_names[row.side]);
     let largest = |row: &ContactRow| match row.status {
         0 if row.normal_displacement <= 0.0 => f64::INFINITY,
         0 => (row.gap.max(0.0) + hardly_seen) / row.normal_displacement,
         _ => 1.0 + hardly_seen / row.normal_displacement.abs(),
     };
-    stored.contact.iter().filter(between).map(largest).fold(f64::INFINITY, f64::min)
+    deformed.contact.iter().filter(between).map(largest).fold(f64::INFINITY, f64::min)
 }
 
 /// The largest factor for ties: bodies tied with a displacement jump w are drawn k |w| apart.
-fn of_ties(stored: &Record, extent: f64) -> f64 {
+fn of_ties(deformed: &Deformed<'_>, extent: f64) -> f64 {
     let jump = |x: [f64; 2]| {
-        let mut at = (0..stored.points.len()).filter(|&i| distance(stored.points[i], x) <= ONE * extent);
+        let mut at = (0..deformed.points.len()).filter(|&i| distance(deformed.points[i], x) <= ONE * extent);
         match (at.next(), at.next(), at.next()) {
-            (Some(a), Some(b), None) => distance(stored.displacement[a], stored.displacement[b]),
+            (Some(a), Some(b), None) => distance(deformed.displacement[a], deformed.displacement[b]),
             _ => 0.0,
         }
     };
-    let largest = stored.ties.iter().map(|row| jump(row.point)).fold(0.0, f64::max);
+    let largest = deformed.ties.iter().map(|row| jump(row.point)).fold(0.0, f64::max);
     if largest <= ONE * extent { f64::INFINITY } else { (HARDLY_SEEN * extent / largest).max(1.0) }
 }
 
 /// The factor above which turned-over triangles have an area of more than `hardly_seen`². Triangles lower than 1.5
 /// `hardly_seen` are left out, because on a coarse mesh displacements inside do not continue those of the boundary. A
 /// triangle turns over where det(I + k G) = 1 + k tr G + k² det G falls to 0, with the gradient G of its displacement.
-fn of_folds(stored: &Record, hardly_seen: f64) -> f64 {
-    let fields = &stored.grid;
+fn of_folds(deformed: &Deformed<'_>, hardly_seen: f64) -> f64 {
+    let fields = deformed.grid;
     let Some(displacement) = fields.point_data.iter().find(|f| f.name == "displacement" && f.components == 3) else {
         return f64::INFINITY;
     };

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 use steklov_bem_operators::{Edge, Polygon};
-use steklov_io::vtkhdf::{Field, Grid};
 use steklov_model::data::body_load::Particulars;
-use steklov_model::solve::body::Body;
+use steklov_model::run::adaptive_loop::Run;
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::fields::ElasticField;
-use steklov_model::solve::solution::Solved;
 use steklov_model::stochastic::StochasticResult;
 use steklov_problem::Scene;
+use steklov_unstructured::{Field, Grid};
 
 use crate::follow::{Filling, Segment, Value, follow};
 use crate::triangulate::{Triangulation, triangulate};
@@ -108,8 +108,10 @@ fn fill(filling: &mut Filling, polygon: &Polygon, body: usize) {
     filling.places.extend(places);
 }
 
-/// The bodies with their fields.
-pub(crate) fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
+/// The bodies filled with triangles that follow their fields, and the fields of the mean of random input where the run has kept its
+/// matrices.
+pub fn bodies(scene: &Scene, run: &Run<BoundaryElements>, outcomes: Option<&StochasticResult>) -> Grid {
+    let (solved, outcomes) = (&run.last, outcomes.zip(run.matrices.as_ref()));
     let polygon = &scene.problem.outline;
     let mut filling = Filling::default();
     (0..polygon.bodies().len()).for_each(|body| fill(&mut filling, polygon, body));

@@ -1,16 +1,16 @@
 //! The cells of the medium in `/VTKHDF`, beside those of the body.
 
-use steklov_io::vtkhdf::{Field, Grid};
 use steklov_model::solve::medium::Around;
+use steklov_unstructured::{Field, Grid};
 
-use super::Window;
+use crate::window::Window;
 
 /// The cell field that distinguishes body and medium.
 const REGION: &str = "region";
 
 /// Adds the triangles of a window of the medium after those of the body, and the cell field `region`: 0 of the body, 1
 /// of the medium. A point field gets the medium's values at its points, a cell field the means over the corners.
-pub(crate) fn add_medium(grid: &mut Grid, around: &Around, window: &Window) {
+pub fn add_medium(grid: &mut Grid, around: &Around, window: &Window) {
     let first = grid.points.len();
     // cells are lines, triangles, quadrilaterals
     let before = grid.lines.len() + grid.triangles.len();

@@ -1,4 +1,4 @@
-//! `/coupling`: boundary elements of the medium, their fields, and a window of it.
+//! `/coupling`: the unbounded medium around a body, its boundary elements and fields, and a window of it.
 
 use faer::Mat;
 use steklov_bem_operators::{Mesh, Space};
@@ -10,7 +10,7 @@ use steklov_io::{
 use steklov_model::solve::medium::Around;
 use steklov_model::summary::MediumSummary;
 
-use super::Window;
+use steklov_fields::Window;
 
 /// Writes `/coupling`.
 ///
