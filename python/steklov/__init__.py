@@ -17,21 +17,25 @@ import json
 from . import _steklov
 from .errors import SceneError, SolveError, SteklovError
 from .result import Quantities, Result
+from .progress import told_to
 from .scene import settings_of, text_of
+from .sweeps import Sweep, sweep
 
-__all__ = ["Quantities", "Result", "SceneError", "SolveError", "SteklovError", "plan", "solve", "text_of"]
+__all__ = ["Quantities", "Result", "SceneError", "SolveError", "SteklovError", "Sweep", "plan", "solve", "sweep", "text_of"]
 
 
 def solve(scene, *, progress=None, **overrides):
     """Solves a scene: a dictionary, TOML text, or the path of a file.
 
     Keyword arguments change keys of the scene, two underscores standing for a point: `parameters__load=2`, `method__tolerance=1e-5`, or
-    `**{"sides.top.pressure": "2*x"}`. `progress` is called with a text and the share that is done, from 0 to 1.
+    `**{"sides.top.pressure": "2*x"}`. `progress` is called with a text and the share that is done, from 0 to 1;
+    True shows a bar.
 
     Raises SceneError where the scene is wrong or has no solution, with place and remedy, and KeyboardInterrupt after Ctrl-C.
     """
     text, name = text_of(scene)
-    return Result(_steklov.solve(text, name, settings_of(overrides), progress))
+    with told_to(progress) as tell:
+        return Result(_steklov.solve(text, name, settings_of(overrides), tell))
 
 
 def plan(scene, **overrides):

@@ -24,6 +24,9 @@ class SceneError(SteklovError):
         super().__init__(text)
         self.message, self.help, self.file, self.line = message, help, file, line
 
+    def __reduce__(self):
+        return SceneError, (str(self), self.message, self.help, self.file, self.line)
+
 
 class SolveError(SteklovError):
     """A solution that failed through no fault of the scene."""

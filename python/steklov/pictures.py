@@ -108,3 +108,33 @@ def plot_contact(result, ax):
     ax.axhline(0, color="black", lw=0.6)
     ax.legend()
     return ax
+
+
+def plot_sweep(sweep, path, key, ax):
+    """Draws a number of the points of a sweep over a varied key: a curve for each combination of the others."""
+    import matplotlib.pyplot as pyplot
+
+    key = sweep.keys[0] if key is None else key
+    if key not in sweep.keys:
+        raise KeyError(f"{key!r} is not varied{near(key, sweep.keys)}")
+    x, y = sweep[key], sweep[path]
+    band = sweep["energy_uncertainty"] if path == "energy_extrapolated" else None
+    ax = pyplot.subplots(figsize=(7, 4.5), layout="constrained")[1] if ax is None else ax
+    others = [k for k, name in enumerate(sweep.keys) if name != key]
+    groups = {}
+    for k, point in enumerate(sweep.points):
+        groups.setdefault(tuple(point[o] for o in others), []).append(k)
+    for values, rows in groups.items():
+        rows = numpy.array(rows)
+        rows = rows[numpy.argsort(x[rows], kind="stable")]
+        label = ", ".join(f"{sweep.keys[o]} = {value}" for o, value in zip(others, values))
+        (line,) = ax.plot(x[rows], y[rows], ".-", label=label or None)
+        if band is not None:
+            ax.fill_between(x[rows], y[rows] - band[rows], y[rows] + band[rows], color=line.get_color(), alpha=0.25, lw=0)
+        # what has not reached its aim, or is in doubt, is hollow
+        weak = numpy.array([not sweep.converged[k] or bool(sweep.summaries[k]["estimate_doubts"]) for k in rows])
+        ax.plot(x[rows][weak], y[rows][weak], "o", mfc="white", color=line.get_color())
+    if others:
+        ax.legend()
+    ax.set(xlabel=key, ylabel=path)
+    return ax

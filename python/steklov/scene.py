@@ -53,7 +53,11 @@ def text_of(scene):
     raise TypeError(f"a scene is a dictionary, TOML text or a path, not a {type(scene).__name__}")
 
 
+def key_of(name):
+    """A key of a scene; two underscores stand for a point where a name has none."""
+    return name if "." in name else name.replace("__", ".")
+
+
 def settings_of(overrides):
-    """Settings KEY=VALUE of keyword arguments; two underscores stand for a point where a name has none."""
-    full = {name: name if "." in name else name.replace("__", ".") for name in overrides}
-    return [f"{full[name]}={toml(value, name)}" for name, value in overrides.items()]
+    """Settings KEY=VALUE of keyword arguments."""
+    return [f"{key_of(name)}={toml(value, name)}" for name, value in overrides.items()]

@@ -277,3 +277,64 @@ def test_pyvista_has_the_fields():
     outline = numpy.ptp(result.fields["points"], axis=0)
     assert abs(area / outline.prod() - 1) < 1e-12
     assert numpy.array_equal(grid.cell_data["young"], result.fields["cell_data"]["young"])
+
+
+def test_a_sweep_has_the_bits_of_single_solutions_and_of_the_command(tmp_path):
+    loads = numpy.linspace(0.5, 2, 4)
+    told = []
+    swept = steklov.sweep(BLOCK, {"parameters.p": loads, "method__refine": ["h", "hp"]}, progress=lambda text, share: told.append((text, share)), method__tolerance=1e-2)
+    assert len(swept) == 8 and told[-1] == ("points 8 of 8", 1.0) and swept.keys == ["parameters.p", "method.refine"]
+    for (p, refine), summary in zip(swept.points, swept.summaries):
+        alone = steklov.solve(BLOCK, parameters__p=p, method__refine=refine, method__tolerance=1e-2)
+        assert without_times(summary) == without_times(alone.summary)
+    assert numpy.array_equal(swept["parameters.p"], numpy.repeat(loads, 2)) and numpy.allclose(swept["contact.force.y"], 2 * swept["parameters.p"])
+    frame = swept.frame()
+    assert frame["converged"].all() and list(frame["method.refine"]) == ["h", "hp"] * 4
+    path = tmp_path / "block.toml"
+    path.write_text(steklov.text_of(BLOCK)[0], encoding="utf-8")
+    out, own = tmp_path / "own.h5", tmp_path / "python.h5"
+    command("sweep", str(path), "--vary", "parameters.p=" + ",".join(map(repr, loads.tolist())), "--vary", "method.refine=h,hp", "--set", "method.tolerance=0.01", "--out", str(out), "--json", "--quiet")
+    swept.save(own)
+    assert own.read_bytes() == out.read_bytes()
+    assert swept.csv() == out.with_suffix(".csv").read_text(encoding="utf-8")
+
+
+def test_points_of_a_sweep_may_fail_and_wrong_ones_are_refused():
+    pandas = pytest.importorskip("pandas")
+    swept = steklov.sweep(BLOCK, points=pandas.DataFrame({"material.poisson": [0.2, 0.7], "parameters.p": [1, 2]}))
+    assert swept.summaries[1] is None and "Poisson" in swept.messages[1] and numpy.isnan(swept["energy"][1])
+    assert swept.converged.tolist() == [True, False]
+    paired = steklov.sweep(BLOCK, {"parameters.p": [1, 2], "parameters.F": [0.1, 0.2]}, zip=True)
+    assert paired.points == [(1, 0.1), (2, 0.2)]
+    for arguments, error, word in [
+        (dict(vary={"parameters.pp": [1]}), steklov.SceneError, "pp"),
+        (dict(vary={"parameters.p": []}), ValueError, "no values"),
+        (dict(vary={}), ValueError, "no keys"),
+        (dict(vary={"parameters.p": 3}), TypeError, "list"),
+        (dict(vary={"parameters.p": [1, 2], "parameters.F": [1]}, zip=True), ValueError, "as many values"),
+        (dict(vary={"parameters.p": [1, float("nan")]}), ValueError, "parameters.p is nan"),
+        (dict(points=[]), ValueError, "empty"),
+        (dict(points=[{"parameters.p": 1}, {"parameters.F": 1}]), ValueError, "points[1]"),
+        (dict(), TypeError, "either"),
+        (dict(vary={"parameters.p": range(1000), "parameters.F": numpy.linspace(0.1, 1, 1000)}), ValueError, "all of them would take"),
+        (dict(vary={"parameters.p": range(10**5), "parameters.F": range(10**5)}), ValueError, "1e+10 points"),
+    ]:
+        with pytest.raises(error, match=re.escape(word)):
+            steklov.sweep(BLOCK, **arguments)
+    with pytest.raises(KeyError, match="did you mean 'energy'"):
+        swept["energi"]
+
+
+def test_ctrl_c_ends_a_sweep():
+    timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    clock = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        steklov.sweep(ROOT / "scenes" / "25-coulomb-wedge.toml", {"material.young": numpy.linspace(1, 2, 500)}, method__tolerance=1e-4)
+    assert time.monotonic() - clock < 3
+
+
+def test_progress_may_be_a_bar(capsys):
+    steklov.solve(BLOCK, progress=True)
+    steklov.sweep(BLOCK, {"parameters.p": [1, 2]}, progress=True)
+    assert "points 2 of 2" in capsys.readouterr().err

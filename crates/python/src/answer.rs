@@ -143,13 +143,7 @@ impl Solved {
     #[cfg(feature = "hdf5")]
     fn save(&self, py: Python<'_>, path: std::path::PathBuf, replace: bool) -> PyResult<()> {
         let Self { document, answer } = self;
-        py.detach(|| steklov_result::save(&path, replace, document, answer)).map_err(|error| {
-            let help = match error {
-                steklov_result::steklov_io::IoError::Exists { .. } => ": choose another name, or replace=True",
-                _ => "",
-            };
-            pyo3::exceptions::PyOSError::new_err(format!("{error}{help}"))
-        })
+        py.detach(|| steklov_result::save(&path, replace, document, answer)).map_err(|error| crate::file_error(&error))
     }
 
     /// Names of all sides.

@@ -2,10 +2,11 @@
 //! package is written in Python, in `python/steklov`.
 
 mod answer;
+mod sweep;
 
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Mutex, Once, PoisonError};
 use std::time::Duration;
 
@@ -56,24 +57,9 @@ fn solve(
     if let Some(error) = refused(scene, &steklov_plan::plan(scene).cost) {
         return Err(scene_error(py, &document.error(error)));
     }
-    let interrupts = AtomicUsize::new(0);
-    let (sender, receiver) = channel();
-    let receiver = Mutex::new(receiver);
-    let tells = progress.is_some();
-    let solved = std::thread::scope(|scope| {
-        let (interrupts, sender) = (&interrupts, Mutex::new(sender));
-        let worker = scope.spawn(move || {
-            let tell = |told: Told| send(&sender, told, tells);
-            rayon::scope(|_| solve_watched(scene, &Watch { interrupts, tell: &tell }))
-        });
-        let watched = watch(py, &receiver, progress.as_ref());
-        if watched.is_err() {
-            interrupts.store(2, Ordering::Relaxed);
-        }
-        let solved = py.detach(|| worker.join());
-        watched.map(|()| solved)
+    let solved = watched(py, progress.as_ref(), |interrupts, tell| {
+        rayon::scope(|_| solve_watched(scene, &Watch { interrupts, tell: &|told| tell(text_of(told)) }))
     })?;
-    let solved = solved.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
     match solved {
         Ok(answer) => Ok(Solved { document, answer }),
         Err(SolveError::Interrupted) => Err(PyKeyboardInterrupt::new_err("the solution was stopped")),
@@ -108,25 +94,55 @@ fn start_threads() {
     });
 }
 
-fn send(sender: &Mutex<Sender<Told>>, told: Told, tells: bool) {
-    if tells {
-        // nobody listens any more once the solution was given up
-        let _ = sender.lock().unwrap_or_else(PoisonError::into_inner).send(told);
+/// What a run is doing, and the share of that which is done.
+fn text_of(told: Told) -> (String, f64) {
+    match told {
+        Told::Step(step, what, share) => (format!("step {}: {what}", step + 1), share),
+        Told::Outcomes(done, count) => (format!("outcomes {done} of {count}"), done as f64 / count.max(1) as f64),
     }
 }
 
+/// Does work beside Python: what it tells goes to the callback, signals are looked for, and an error of either stops the work.
+fn watched<T: Send>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&AtomicUsize, &(dyn Fn((String, f64)) + Sync)) -> T + Send,
+) -> PyResult<T> {
+    let interrupts = AtomicUsize::new(0);
+    let (sender, receiver) = channel();
+    let (receiver, tells) = (Mutex::new(receiver), progress.is_some());
+    let worked = std::thread::scope(|scope| {
+        let (interrupts, sender) = (&interrupts, Mutex::new(sender));
+        let worker = scope.spawn(move || {
+            let tell = |told| {
+                if tells {
+                    // nobody listens any more once the work was given up
+                    let _ = sender.lock().unwrap_or_else(PoisonError::into_inner).send(told);
+                }
+            };
+            work(interrupts, &tell)
+        });
+        let watched = listen(py, &receiver, progress);
+        if watched.is_err() {
+            interrupts.store(2, Ordering::Relaxed);
+        }
+        let worked = py.detach(|| worker.join());
+        watched.map(|()| worked)
+    })?;
+    Ok(worked.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+}
+
 /// Passes on what is told, and looks for signals, until the work has ended; an error of the callback or of a signal ends it before.
-fn watch(py: Python<'_>, receiver: &Mutex<Receiver<Told>>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+fn listen(
+    py: Python<'_>,
+    receiver: &Mutex<Receiver<(String, f64)>>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<()> {
     loop {
         let told = py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(LOOK));
         py.check_signals()?;
         match (told, progress) {
-            (Ok(Told::Step(step, what, share)), Some(progress)) => {
-                progress.call1((format!("step {}: {what}", step + 1), share))?;
-            }
-            (Ok(Told::Outcomes(done, count)), Some(progress)) => {
-                progress.call1((format!("outcomes {done} of {count}"), done as f64 / count.max(1) as f64))?;
-            }
+            (Ok(told), Some(progress)) => drop(progress.call1(told)?),
             (Err(RecvTimeoutError::Disconnected), _) => return Ok(()),
             _ => {}
         }
@@ -135,6 +151,16 @@ fn watch(py: Python<'_>, receiver: &Mutex<Receiver<Told>>, progress: Option<&Bou
 
 fn read(py: Python<'_>, text: &str, name: &str, overrides: &[String]) -> PyResult<Document> {
     py.detach(|| Document::parse(text, name, overrides)).map_err(|error| scene_error(py, &error))
+}
+
+/// The error of a file that cannot be written.
+#[cfg(feature = "hdf5")]
+fn file_error(error: &steklov_result::steklov_io::IoError) -> PyErr {
+    let help = match error {
+        steklov_result::steklov_io::IoError::Exists { .. } => ": choose another name, or replace=True",
+        _ => "",
+    };
+    pyo3::exceptions::PyOSError::new_err(format!("{error}{help}"))
 }
 
 fn scene_error(py: Python<'_>, error: &SceneError) -> PyErr {
@@ -154,5 +180,9 @@ mod _steklov {
     #[pymodule_export]
     use super::{colour_interval, plan, solve};
     #[pymodule_export]
+    const MOST_POINTS: usize = steklov_sweep::MOST_POINTS;
+    #[pymodule_export]
     use crate::answer::Solved;
+    #[pymodule_export]
+    use crate::sweep::{Swept, sweep, swept};
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use steklov_document::SceneError;
+#[cfg(feature = "hdf5")]
 use steklov_io::IoError;
 use steklov_picture::PictureError;
 
@@ -84,6 +85,7 @@ pub enum SweepError {
         settings: String,
     },
     /// A file that cannot be written or read.
+    #[cfg(feature = "hdf5")]
     #[error(transparent)]
     Io(#[from] IoError),
     /// A chart that cannot be drawn.

@@ -35,7 +35,9 @@
 //! ```
 
 // the crates whose types appear in the interface
-pub use {steklov_document, steklov_io, steklov_picture};
+#[cfg(feature = "hdf5")]
+pub use steklov_io;
+pub use {steklov_document, steklov_picture};
 
 mod error;
 mod points;
@@ -43,6 +45,7 @@ mod solve;
 mod journal;
 mod quantities;
 mod sweep;
+#[cfg(feature = "hdf5")]
 mod store;
 mod charts;
 
@@ -52,5 +55,6 @@ pub use journal::Journal;
 pub use points::{MOST_POINTS, Points};
 pub use quantities::Quantities;
 pub use solve::{Observer, Outcome, solve_points};
-pub use store::{read, write, write_table};
-pub use sweep::Sweep;
+#[cfg(feature = "hdf5")]
+pub use store::{read, write};
+pub use sweep::{Sweep, write_table};

@@ -80,6 +80,25 @@ impl Points {
         }
     }
 
+    /// Points by a row of values for each, texts of TOML in the order of the keys.
+    ///
+    /// # Errors
+    /// [`SweepError::Vary`] of a key that is missing or there twice, a row without a value for each key, and no row at all.
+    pub fn of_rows(keys: Vec<String>, rows: Vec<Vec<String>>) -> Result<Self, SweepError> {
+        check_keys(&keys)?;
+        if rows.is_empty() {
+            return Err(refused(&keys.join(","), "it has no points".to_owned(), "give one value of each key at least"));
+        }
+        if let Some(k) = rows.iter().position(|row| row.len() != keys.len()) {
+            let why = format!("point {k} has {} values for {} keys", rows[k].len(), keys.len());
+            return Err(refused(&keys.join(","), why, "give each point a value of each key"));
+        }
+        for row in &rows {
+            row.iter().zip(&keys).try_for_each(|(value, key)| typed(key, value).map(drop))?;
+        }
+        Ok(Self { keys, values: Values::Rows(rows) })
+    }
+
     /// The points whose settings `KEY=VALUE` are given, point by point.
     pub(crate) fn of_settings(keys: Vec<String>, settings: &[Vec<String>]) -> Option<Self> {
         let value =

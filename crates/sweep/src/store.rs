@@ -1,6 +1,6 @@
 //! The file of a sweep.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use faer::Mat;
 use steklov_io::{
@@ -61,18 +61,6 @@ pub fn write(sweep: &Sweep, path: &Path, replace: bool) -> Result<(), SweepError
         save_dense(&at, "values", numbers.as_ref(), &label("that of the path", meaning, &["point", "path"]))
     })?;
     Ok(())
-}
-
-/// Writes the table of a sweep beside its file, with the ending .csv; returns its path.
-///
-/// # Errors
-/// [`SweepError::Table`].
-pub fn write_table(sweep: &Sweep, path: &Path) -> Result<PathBuf, SweepError> {
-    let path = path.with_extension("csv");
-    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-    steklov_picture::replace(folder, &path, sweep.csv().as_bytes())
-        .map_err(|source| SweepError::Table { path: path.clone(), source })?;
-    Ok(path)
 }
 
 fn texts(outcomes: &[Option<Outcome>], text: impl Fn(&Outcome) -> Option<&String>) -> Vec<String> {

@@ -1,5 +1,7 @@
 //! A sweep: its scene, its points and what is known of each.
 
+use std::path::{Path, PathBuf};
+
 use serde_json::Value;
 use steklov_document::Document;
 
@@ -131,6 +133,18 @@ impl Sweep {
         }
         Ok(())
     }
+}
+
+/// Writes the table of a sweep beside its file, with the ending .csv; returns its path.
+///
+/// # Errors
+/// [`SweepError::Table`].
+pub fn write_table(sweep: &Sweep, path: &Path) -> Result<PathBuf, SweepError> {
+    let path = path.with_extension("csv");
+    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    steklov_picture::replace(folder, &path, sweep.csv().as_bytes())
+        .map_err(|source| SweepError::Table { path: path.clone(), source })?;
+    Ok(path)
 }
 
 /// A value of TOML as it stands in a table: a text without its quotes.

@@ -1,0 +1,42 @@
+"""Points and outcomes solved by the workers of a Dask cluster."""
+
+from . import _steklov
+
+# tasks for each thread of the cluster, so that the last ones end nearly together
+TASKS_A_THREAD = 8
+
+
+def parts(client, count):
+    """Ranges of about equal length, several for each thread of the cluster."""
+    threads = sum(client.nthreads().values()) or 1
+    length = max(1, -(-count // (TASKS_A_THREAD * threads)))
+    return [range(first, min(first + length, count)) for first in range(0, count, length)]
+
+
+def gathered(client, futures, counts, what, tell):
+    """The results of tasks in their order, told as they come."""
+    from distributed import as_completed
+
+    done, total, of = 0, sum(counts), dict(zip(futures, counts))
+    try:
+        for future in as_completed(futures):
+            future.result()
+            done += of[future]
+            if tell is not None:
+                tell(f"{what} {done} of {total}", done / total)
+        return client.gather(futures)
+    except BaseException:
+        client.cancel(futures)
+        raise
+
+
+def solve_points(client, sweep, rows, tell):
+    """What is known of the points of a sweep (text, name, settings, keys), a row of values for each."""
+    chunks = [[rows[k] for k in part] for part in parts(client, len(rows))]
+    futures = client.map(points_of_task, chunks, sweep=sweep, pure=False)
+    return [known for task in gathered(client, futures, [len(chunk) for chunk in chunks], "points", tell) for known in task]
+
+
+def points_of_task(rows, sweep):
+    """What a worker does: points one after the other by one thread."""
+    return _steklov.sweep(*sweep, rows, 1).outcomes()
