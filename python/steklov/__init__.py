@@ -24,18 +24,25 @@ from .sweeps import Sweep, sweep
 __all__ = ["Quantities", "Result", "SceneError", "SolveError", "SteklovError", "Sweep", "plan", "solve", "sweep", "text_of"]
 
 
-def solve(scene, *, progress=None, **overrides):
+def solve(scene, *, progress=None, client=None, **overrides):
     """Solves a scene: a dictionary, TOML text, or the path of a file.
 
     Keyword arguments change keys of the scene, two underscores standing for a point: `parameters__load=2`, `method__tolerance=1e-5`, or
     `**{"sides.top.pressure": "2*x"}`. `progress` is called with a text and the share that is done, from 0 to 1;
     True shows a bar.
 
+    `client` is one of Dask, whose workers then solve the outcomes of random input, to the same bits.
+
     Raises SceneError where the scene is wrong or has no solution, with place and remedy, and KeyboardInterrupt after Ctrl-C.
     """
     text, name = text_of(scene)
+    settings, elsewhere = settings_of(overrides), None
+    if client is not None:
+        from .cluster import Outcomes
+
+        elsewhere = Outcomes(client, (text, name, tuple(settings)))
     with told_to(progress) as tell:
-        return Result(_steklov.solve(text, name, settings_of(overrides), tell))
+        return Result(_steklov.solve(text, name, settings, tell, elsewhere))
 
 
 def plan(scene, **overrides):

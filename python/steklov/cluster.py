@@ -1,15 +1,17 @@
 """Points and outcomes solved by the workers of a Dask cluster."""
 
+import functools
+
 from . import _steklov
 
 # tasks for each thread of the cluster, so that the last ones end nearly together
 TASKS_A_THREAD = 8
 
 
-def parts(client, count):
-    """Ranges of about equal length, several for each thread of the cluster."""
+def parts(client, count, multiple=1):
+    """Ranges of about equal length, a multiple of some number, several for each thread of the cluster."""
     threads = sum(client.nthreads().values()) or 1
-    length = max(1, -(-count // (TASKS_A_THREAD * threads)))
+    length = multiple * max(1, -(-count // (TASKS_A_THREAD * threads * multiple)))
     return [range(first, min(first + length, count)) for first in range(0, count, length)]
 
 
@@ -40,3 +42,31 @@ def solve_points(client, sweep, rows, tell):
 def points_of_task(rows, sweep):
     """What a worker does: points one after the other by one thread."""
     return _steklov.sweep(*sweep, rows, 1).outcomes()
+
+
+class Outcomes:
+    """Asks the workers of a cluster for the outcomes of a scene (text, name, settings) by their germs."""
+
+    def __init__(self, client, scene):
+        self.client, self.scene, self.futures = client, scene, []
+
+    def __call__(self, germs):
+        # outcomes that begin where the last one ended stay together
+        chunks = [germs[part.start : part.stop] for part in parts(self.client, len(germs), _steklov.TOGETHER)]
+        self.futures = self.client.map(outcomes_of_task, chunks, scene=self.scene, pure=False)
+        return gathered(self.client, self.futures, [len(chunk) for chunk in chunks], "outcomes", None)
+
+    def cancel(self):
+        """Gives up what was asked for."""
+        self.client.cancel(self.futures)
+
+
+@functools.lru_cache(maxsize=1)
+def prepared(text, name, settings):
+    """The scene, solved up to its last mesh once in each process."""
+    return _steklov.prepare(text, name, list(settings))
+
+
+def outcomes_of_task(germs, scene):
+    """What a worker does: outcomes one after the other."""
+    return prepared(*scene).answers(germs)

@@ -1,7 +1,7 @@
 //! Outcomes of random input on grids.
 
 use steklov_model::grid::GridLayout;
-use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic_on_grid};
+use steklov_model::stochastic::{OutcomesWatch, Quantity, StochasticResult, solve_stochastic_on_grid};
 use steklov_problem::Scene;
 
 use crate::parse;
@@ -15,7 +15,7 @@ pub fn read(text: &str) -> Scene {
 pub fn outcomes(scene: &Scene) -> StochasticResult {
     let random = scene.random.as_ref().expect("random input");
     let layout = GridLayout::first(scene).unwrap_or_else(|e| panic!("{e}"));
-    solve_stochastic_on_grid(scene, random, &layout, &|_, _| {}, &|| false, &mut |_| Ok(()))
+    solve_stochastic_on_grid(scene, random, &layout, &OutcomesWatch::NONE, &mut |_| Ok(()))
         .unwrap_or_else(|e| panic!("{e}"))
 }
 

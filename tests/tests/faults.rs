@@ -11,6 +11,7 @@ use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::{Model, Progress, Run, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::stochastic::OutcomesWatch;
 use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_quadrature::{splitmix64, unit_uniform};
@@ -48,7 +49,7 @@ enum End {
 fn summary_of<M: Model>(scene: &Scene, first: Progress<M>) -> Result<Summary, SolveError> {
     let never = AtomicUsize::new(0);
     let mut run: Run<M> = run(scene, first, &never, &mut |_, _| Ok(()))?;
-    let outcomes = M::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))?;
+    let outcomes = M::outcomes(scene, &mut run, &OutcomesWatch::NONE, &mut |_| Ok(()))?;
     if let Some(error) = run.error {
         return Err(error);
     }

@@ -1,7 +1,7 @@
 //! Random input among several bodies: springs in series, and outcomes against scenes of their own.
 
 use steklov_model::solve;
-use steklov_model::stochastic::{StochasticResult, solve_stochastic};
+use steklov_model::stochastic::{OutcomesWatch, StochasticResult, solve_stochastic};
 use steklov_problem::{Random, Sampling, Scene};
 use steklov_stochastic::{Nodes, StochasticMesh, Variable};
 use steklov_tests::{adapt, quantity, read};
@@ -9,7 +9,7 @@ use steklov_tests::{adapt, quantity, read};
 fn outcomes(scene: &Scene) -> StochasticResult {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
     let random = scene.random.as_ref().expect("random input");
-    solve_stochastic(scene, random, run.matrices.as_ref().expect("matrices"), &|_, _| {}, &|| false, &mut |_| Ok(()))
+    solve_stochastic(scene, random, run.matrices.as_ref().expect("matrices"), &OutcomesWatch::NONE, &mut |_| Ok(()))
         .unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicUsize;
 
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::Model;
 use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::stochastic::OutcomesWatch;
 use steklov_model::summary::{Audit, Summary};
 use steklov_plan::{Plan, plan};
 use steklov_problem::Scene;
@@ -47,8 +47,7 @@ fn read(path: &Path, overrides: &[&str]) -> Scene {
 fn solved(scene: &Scene) -> (Summary, f64) {
     if scene.body().grid.is_some() {
         let mut run = attempt_grid(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
-        let never = AtomicUsize::new(0);
-        let outcomes = OnGrid::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))
+        let outcomes = OnGrid::outcomes(scene, &mut run, &OutcomesWatch::NONE, &mut |_| Ok(()))
             .unwrap_or_else(|e| panic!("{}: {e}", scene.title));
         let (forces, nodes) = (unbalanced_forces(scene, &run.last), unbalanced_nodes(scene, &run.last));
         println!("{}: forces {forces:.1e}, nodes {nodes:?}", scene.title);
@@ -61,8 +60,7 @@ fn solved(scene: &Scene) -> (Summary, f64) {
     let equilibrium = run.last.equilibrium;
     let of_outcomes = scene.expect.iter().any(|expected| expected.path.starts_with("stochastic"));
     let outcomes = of_outcomes.then(|| {
-        let never = AtomicUsize::new(0);
-        BoundaryElements::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))
+        BoundaryElements::outcomes(scene, &mut run, &OutcomesWatch::NONE, &mut |_| Ok(()))
             .unwrap_or_else(|e| panic!("{}: {e}", scene.title))
     });
     (Summary::of_run(scene, &run, outcomes.flatten().as_ref()), equilibrium)

@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Mark, PairCache, Subdivision};
 use steklov_model::run::adaptive_loop::Run;
 use steklov_model::run::boundary_elements::BoundaryElements;
-use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic};
+use steklov_model::stochastic::{OutcomesWatch, Quantity, StochasticResult, solve_stochastic};
 use steklov_problem::Scene;
 use steklov_stochastic::{Nodes, StochasticMesh, Variable};
 use steklov_tests::{adapt, document};
@@ -39,7 +39,7 @@ fn solved(scene: &Scene) -> (Run<BoundaryElements>, StochasticResult) {
 /// All outcomes on the last mesh of a run.
 fn on(scene: &Scene, run: &Run<BoundaryElements>) -> StochasticResult {
     let random = scene.random.as_ref().expect("random input");
-    solve_stochastic(scene, random, run.matrices.as_ref().expect("matrices"), &|_, _| {}, &|| false, &mut |_| Ok(()))
+    solve_stochastic(scene, random, run.matrices.as_ref().expect("matrices"), &OutcomesWatch::NONE, &mut |_| Ok(()))
         .unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -32,7 +32,7 @@ use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::{Event, Reason, Step, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::run::expect::check_expect;
-use steklov_model::stochastic::OutcomeStage;
+use steklov_model::stochastic::{OutcomeStage, OutcomesWatch};
 use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
 use steklov_plan::{Plan, explain, largest_mesh, plan, plan_with_mesh, refused, too_large_basis, without_memory};
 use steklov_problem::{Refine, grid_of, moduli};
@@ -390,7 +390,9 @@ fn solve_by<M: Keep>(
                 false => Ok(()),
             };
             let progress = |done, count| bar.outcomes(done, count);
-            let outcomes = M::outcomes(scene, &mut run, interrupts, &progress, &mut keep)?;
+            let stopped = || interrupts.load(Ordering::Relaxed) > 0;
+            let watch = OutcomesWatch { progress: &progress, stopped: &stopped, elsewhere: None };
+            let outcomes = M::outcomes(scene, &mut run, &watch, &mut keep)?;
             Ok::<_, store::Unsolved>(Record::new(scene, plan, &run, outcomes, out, reading))
         })?;
         queue.finish()?;

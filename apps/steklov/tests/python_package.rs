@@ -21,7 +21,7 @@ fn the_python_package_gives_what_the_command_gives() {
     let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
     std::fs::copy(folder.join("lib_steklov.so"), package.join("_steklov.abi3.so")).unwrap();
     let python = std::env::var_os("STEKLOV_PYTHON").unwrap_or_else(|| root.join("target/python/bin/python").into());
-    let tests = root.join("python/tests/test_steklov.py");
+    let tests = root.join("python/tests");
     let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--doctest-modules", "steklov/__init__.py"];
     let ran = Command::new(python)
         .args(arguments)

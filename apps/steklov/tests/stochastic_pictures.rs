@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicUsize;
 use crate::place::{Place, names};
 use steklov_io::{File, IoError, create_atomically, create_group, open, open_group};
 use steklov_model::run::adaptive_loop::{Progress, run};
-use steklov_model::stochastic::{StochasticResult, solve_stochastic};
+use steklov_model::stochastic::{OutcomesWatch, StochasticResult, solve_stochastic};
 use steklov_result::outcomes::{read, write};
 use steklov_result::record::Record;
 use steklov_result::store;
@@ -200,7 +200,7 @@ fn what_is_stored_is_read_with_the_same_bits() {
         let run = run(&scene, Progress::first(&scene), &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
         let random = scene.random.as_ref().unwrap();
         let result =
-            solve_stochastic(&scene, random, run.matrices.as_ref().unwrap(), &|_, _| (), &|| false, &mut |_| Ok(()))
+            solve_stochastic(&scene, random, run.matrices.as_ref().unwrap(), &OutcomesWatch::NONE, &mut |_| Ok(()))
                 .unwrap();
         // the text of a number is that of no other number
         let again = format!("{:?}", there_and_back(&place, &result));

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use serde_json::{Value, json};
@@ -11,6 +11,7 @@ use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::run;
 use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::stochastic::OutcomesWatch;
 use steklov_model::summary::available_memory_bytes;
 use steklov_picture::Picture;
 use steklov_plan::plan;
@@ -260,7 +261,9 @@ fn solve<M: Keep>(scene: &Scene, interrupts: &AtomicUsize) -> Result<Made, Strin
     }
     let first = M::resume(scene, Vec::new(), None).map_err(told)?;
     let mut run = run(scene, first, interrupts, &mut |_, _| Ok(())).map_err(told)?;
-    let outcomes = M::outcomes(scene, &mut run, interrupts, &|_, _| {}, &mut |_| Ok(())).map_err(told)?;
+    let stopped = || interrupts.load(Ordering::Relaxed) > 0;
+    let watch = OutcomesWatch { stopped: &stopped, ..OutcomesWatch::NONE };
+    let outcomes = M::outcomes(scene, &mut run, &watch, &mut |_| Ok(())).map_err(told)?;
     let record = Record::new(scene, plan, &run, outcomes, Path::new(""), 0.0);
     let mut json = serde_json::to_value(&record.summary).map_err(|e| e.to_string())?;
     let steps = run.progress.steps.iter().map(|step| json!({ "dofs": step.dofs, "history": step.history }));

@@ -93,6 +93,11 @@ pub enum SolveError {
     /// The observer failed, as in storing what it was given.
     #[error(transparent)]
     Observer(Box<dyn std::error::Error + Send + Sync>),
+    /// Outcomes that another program answered are not of the mesh of this one.
+    #[error(
+        "the answers of another program are of another mesh: give both the same version of steklov, and set method.max_dofs"
+    )]
+    Elsewhere,
     /// The user stopped the run.
     #[error("interrupted before a step was finished: nothing was stored")]
     Interrupted,

@@ -1,7 +1,7 @@
 //! The entry point for programs: a scene in, its numbers out.
 
 use std::fmt;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_elastic::plane::distance;
 use steklov_problem::{ProbeLine, Scene};
@@ -16,7 +16,7 @@ use crate::run::boundary_elements::BoundaryElements;
 use crate::solve::contact_rows::{ContactRow, Trace};
 use crate::solve::solution::TieRow;
 use crate::stage::Stage;
-use crate::stochastic::StochasticResult;
+use crate::stochastic::{Elsewhere, OutcomesWatch, StochasticResult};
 use crate::summary::{LinePoint, LineProbe, SideProbe, Summary};
 
 /// A scene that is solved.
@@ -132,7 +132,7 @@ impl Answer {
 /// [`SolveError::Data`] of what [`Scene::check`] finds, or of an outcome that is impossible; those of
 /// [`run`](crate::run::adaptive_loop::run).
 pub fn solve(scene: &Scene) -> Result<Answer, SolveError> {
-    solve_watched(scene, &Watch { interrupts: &AtomicUsize::new(0), tell: &|_| {} })
+    solve_watched(scene, &Watch { interrupts: &AtomicUsize::new(0), tell: &|_| {}, elsewhere: None })
 }
 
 /// How a program stops a run and sees how far it is.
@@ -141,6 +141,8 @@ pub struct Watch<'a> {
     pub interrupts: &'a AtomicUsize,
     /// Gets what is done at the moment.
     pub tell: &'a (dyn Fn(Told) + Sync),
+    /// Answers the outcomes of random input that are solved one by one; none: they are solved here.
+    pub elsewhere: Option<&'a Elsewhere<'a>>,
 }
 
 /// What a run is doing.
@@ -177,7 +179,18 @@ fn solve_from<M: Model>(
         Ok(())
     })?;
     let tell = |done, count| (watch.tell)(Told::Outcomes(done, count));
-    let outcomes = M::outcomes(scene, &mut run, watch.interrupts, &tell, &mut |_| Ok(()))?;
+    let stopped = || watch.interrupts.load(Ordering::Relaxed) > 0;
+    let dofs = watch.elsewhere.map_or(0, |_| M::report(scene, &run).trace.displacement.len());
+    let checked = watch.elsewhere.map(|elsewhere| {
+        move |germs: &[Vec<f64>]| {
+            let answers = elsewhere(germs)?;
+            let same = answers.len() == germs.len() && answers.iter().all(|answer| answer.displacement.len() == dofs);
+            if same { Ok(answers) } else { Err(SolveError::Elsewhere) }
+        }
+    });
+    let elsewhere = checked.as_ref().map(|checked| checked as &Elsewhere<'_>);
+    let of_outcomes = OutcomesWatch { progress: &tell, stopped: &stopped, elsewhere };
+    let outcomes = M::outcomes(scene, &mut run, &of_outcomes, &mut |_| Ok(()))?;
     let (summary, contact) = summary_and_contact(scene, &run, outcomes.as_ref());
     run.matrices = run.matrices.filter(|_| outcomes.is_some());
     Ok(Answer { summary, contact, outcomes, run: of(Box::new(run)) })

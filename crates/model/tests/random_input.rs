@@ -4,7 +4,7 @@
 use steklov_model::prelude::*;
 use steklov_model::run::boundary_elements::unobserved;
 use steklov_model::steklov_stochastic::Variable;
-use steklov_model::stochastic::solve_stochastic;
+use steklov_model::stochastic::{OutcomesWatch, solve_stochastic};
 use steklov_problem::DataErrorKind;
 
 /// Names with random values, and the values of the nominal outcome.
@@ -108,7 +108,7 @@ fn a_random_load_of_a_program_is_random_in_every_outcome() {
     scene.check().expect("a scene that fits");
     let run = unobserved(&scene).expect("a run");
     let (random, body) = (scene.random.as_ref().expect("random input"), run.matrices.as_ref().expect("matrices"));
-    let outcomes = solve_stochastic(&scene, random, body, &|_, _| {}, &|| false, &mut |_| Ok(())).expect("outcomes");
+    let outcomes = solve_stochastic(&scene, random, body, &OutcomesWatch::NONE, &mut |_| Ok(())).expect("outcomes");
     let (of_one, energy) = (run.last.energies.total, &outcomes.quantities[0]);
     assert!((energy.mean / of_one - 13.0 / 12.0).abs() < 1e-10, "{} of {of_one}", energy.mean);
     // E[Q⁴] - E[Q²]² = 121/80 - 169/144

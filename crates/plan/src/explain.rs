@@ -24,7 +24,9 @@ fn blame<'a>(kind: DataErrorKind, keys: &[&[&'a str]], help: &str) -> Blame<'a> 
 pub fn explain(scene: &Scene, error: SolveError) -> Result<DataError, SolveError> {
     let (kind, keys, help) = match &error {
         SolveError::Data(error) => return Ok((**error).clone()),
-        SolveError::Observer(_) | SolveError::Interrupted | SolveError::Outcome { .. } => return Err(error),
+        SolveError::Observer(_) | SolveError::Elsewhere | SolveError::Interrupted | SolveError::Outcome { .. } => {
+            return Err(error);
+        }
         SolveError::Msfem(error) => of_grid(error),
         SolveError::Coupling(error) => of_coupling(error),
         SolveError::Stochastic(error) => of_outcomes(error),

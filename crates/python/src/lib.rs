@@ -2,6 +2,7 @@
 //! package is written in Python, in `python/steklov`.
 
 mod answer;
+mod outcomes;
 mod sweep;
 
 use std::num::NonZero;
@@ -11,12 +12,13 @@ use std::sync::{Mutex, Once, PoisonError};
 use std::time::Duration;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
 use steklov_algebra::PARTS;
 use steklov_document::{Document, SceneError};
 use steklov_model::error::SolveError;
 use steklov_model::run::expect::check_expect;
+use steklov_model::stochastic::Elsewhere;
 use steklov_model::summary::available_memory_bytes;
 use steklov_model::{Told, Watch, solve_watched};
 use steklov_plan::{explain, refused};
@@ -37,15 +39,17 @@ fn plan(py: Python<'_>, text: &str, name: &str, overrides: Vec<String>) -> PyRes
     serde_json::to_string(&plan).map_err(|e| pyo3::exceptions::PyValueError::new_err(e.to_string()))
 }
 
-/// Solves a scene. `progress` is called with a text and the share of the step, or of the outcomes, that is done.
+/// Solves a scene. `progress` is called with a text and the share of the step, or of the outcomes, that is done;
+/// `elsewhere` with lists of germs, for whose outcomes it returns what `Prepared.answers` gives, and its `cancel` to stop.
 #[pyfunction]
-#[pyo3(signature = (text, name, overrides, progress = None))]
+#[pyo3(signature = (text, name, overrides, progress = None, elsewhere = None))]
 fn solve(
     py: Python<'_>,
     text: &str,
     name: &str,
     overrides: Vec<String>,
     progress: Option<Bound<'_, PyAny>>,
+    elsewhere: Option<Py<PyAny>>,
 ) -> PyResult<Solved> {
     start_threads();
     let mut document = read(py, text, name, &overrides)?;
@@ -57,12 +61,27 @@ fn solve(
     if let Some(error) = refused(scene, &steklov_plan::plan(scene).cost) {
         return Err(scene_error(py, &document.error(error)));
     }
-    let solved = watched(py, progress.as_ref(), |interrupts, tell| {
-        rayon::scope(|_| solve_watched(scene, &Watch { interrupts, tell: &|told| tell(text_of(told)) }))
+    if elsewhere.is_some() {
+        outcomes::check(py, &document)?;
+    }
+    let ask = elsewhere.as_ref().map(|elsewhere| |germs: &[Vec<f64>]| outcomes::ask(elsewhere, germs));
+    let ask = ask.as_ref().map(|ask| ask as &Elsewhere<'_>);
+    let cancel = || {
+        if let Some(elsewhere) = &elsewhere {
+            // what was asked for is given up: an error of that is of no interest
+            let _ = elsewhere.call_method0(py, "cancel");
+        }
+    };
+    let solved = watched(py, progress.as_ref(), &cancel, |interrupts, tell| {
+        let watch = Watch { interrupts, tell: &|told| tell(text_of(told)), elsewhere: ask };
+        rayon::scope(|_| solve_watched(scene, &watch))
     })?;
     match solved {
         Ok(answer) => Ok(Solved { document, answer }),
         Err(SolveError::Interrupted) => Err(PyKeyboardInterrupt::new_err("the solution was stopped")),
+        Err(SolveError::Observer(error)) if error.is::<PyErr>() => Err(error
+            .downcast::<PyErr>()
+            .map_or_else(|other| PyRuntimeError::new_err(other.to_string()), |error| *error)),
         Err(error) => Err(match explain(scene, error) {
             Ok(error) => scene_error(py, &document.error(error)),
             Err(error) => raised(py, "SolveError", (error.to_string(),)),
@@ -106,6 +125,7 @@ fn text_of(told: Told) -> (String, f64) {
 fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
+    cancel: &dyn Fn(),
     work: impl FnOnce(&AtomicUsize, &(dyn Fn((String, f64)) + Sync)) -> T + Send,
 ) -> PyResult<T> {
     let interrupts = AtomicUsize::new(0);
@@ -125,6 +145,7 @@ fn watched<T: Send>(
         let watched = listen(py, &receiver, progress);
         if watched.is_err() {
             interrupts.store(2, Ordering::Relaxed);
+            cancel();
         }
         let worked = py.detach(|| worker.join());
         watched.map(|()| worked)
@@ -183,6 +204,10 @@ mod _steklov {
     const MOST_POINTS: usize = steklov_sweep::MOST_POINTS;
     #[pymodule_export]
     use crate::answer::Solved;
+    #[pymodule_export]
+    use crate::outcomes::{Prepared, prepare};
+    #[pymodule_export]
+    const TOGETHER: usize = steklov_model::stochastic::TOGETHER;
     #[pymodule_export]
     use crate::sweep::{Swept, sweep, swept};
 }

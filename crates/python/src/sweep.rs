@@ -77,7 +77,7 @@ pub fn sweep(
     let outcomes = &mut sweep.outcomes;
     let (points, count) = (&sweep.points, sweep.points.len());
     let wanted: Vec<usize> = (0..count).collect();
-    let solved = watched(py, progress.as_ref(), |interrupts, tell| {
+    let solved = watched(py, progress.as_ref(), &|| {}, |interrupts, tell| {
         let mut done = 0;
         let mut keep = |point: usize, outcome: &Outcome| {
             done += 1;

@@ -180,7 +180,7 @@ fn solve_point(
     if let Some(error) = checked.err().or_else(refused) {
         return Some(failed(error));
     }
-    match solve_watched(scene, &Watch { interrupts, tell: &|_| {} }) {
+    match solve_watched(scene, &Watch { interrupts, tell: &|_| {}, elsewhere: None }) {
         Ok(answer) => Some(Outcome::Solved(kept(&answer.summary))),
         Err(SolveError::Interrupted) => None,
         Err(error) => Some(match explain(scene, error) {

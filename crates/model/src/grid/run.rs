@@ -1,7 +1,5 @@
 //! Finite elements on grids in the adaptive loop.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use steklov_algebra::once_more;
 use steklov_problem::{Refine, Scene, Spot};
 
@@ -15,7 +13,7 @@ use crate::error::SolveError;
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, seconds_of};
 use crate::run::report::Report;
 use crate::stage::Stage;
-use crate::stochastic::{OutcomeStage, StochasticResult, solve_stochastic_on_grid};
+use crate::stochastic::{OutcomeStage, OutcomesWatch, StochasticResult, solve_stochastic_on_grid};
 use crate::summary::SideProbe;
 
 /// Dörfler's θ where the scene has none.
@@ -98,14 +96,12 @@ impl Model for OnGrid {
     fn outcomes(
         scene: &Scene,
         run: &mut Run<Self>,
-        interrupts: &AtomicUsize,
-        progress: &(dyn Fn(usize, usize) + Sync),
+        watch: &OutcomesWatch<'_>,
         observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
     ) -> Result<Option<StochasticResult>, SolveError> {
         let Some(random) = scene.random.as_ref().filter(|_| run.went_well()) else { return Ok(None) };
-        let stopped = || interrupts.load(Ordering::Relaxed) > 0;
         let layout = &run.step().layout;
-        let solved = once_more(|| solve_stochastic_on_grid(scene, random, layout, progress, &stopped, observe));
+        let solved = once_more(|| solve_stochastic_on_grid(scene, random, layout, watch, observe));
         run.with_outcomes(solved)
     }
 

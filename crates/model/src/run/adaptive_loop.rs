@@ -19,7 +19,7 @@ use crate::run::report::Report;
 use crate::solve::solution::Seconds;
 use crate::stage::Stage;
 use crate::stochastic::number::check_quantities;
-use crate::stochastic::{End, OutcomeStage, StochasticResult};
+use crate::stochastic::{End, OutcomeStage, OutcomesWatch, StochasticResult};
 use crate::summary::SideProbe;
 
 /// Why a run ended.
@@ -116,8 +116,7 @@ pub trait Model: Debug + Clone + PartialEq {
     fn outcomes(
         _: &Scene,
         _: &mut Run<Self>,
-        _: &AtomicUsize,
-        _: &(dyn Fn(usize, usize) + Sync),
+        _: &OutcomesWatch<'_>,
         _: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
     ) -> Result<Option<StochasticResult>, SolveError> {
         Ok(None)

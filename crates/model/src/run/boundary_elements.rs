@@ -1,6 +1,6 @@
 //! Boundary elements in the adaptive loop.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
 use steklov_algebra::once_more;
@@ -23,7 +23,7 @@ use crate::solve::body::Body;
 use crate::solve::one_mesh::solve;
 use crate::solve::solution::Solved;
 use crate::stage::Stage;
-use crate::stochastic::{OutcomeStage, StochasticResult, mean_estimate, solve_stochastic};
+use crate::stochastic::{OutcomeStage, OutcomesWatch, StochasticResult, mean_estimate, solve_stochastic};
 use crate::summary::SideProbe;
 
 /// Boundary elements, as a [`Model`].
@@ -240,15 +240,13 @@ impl Model for BoundaryElements {
     fn outcomes(
         scene: &Scene,
         run: &mut Run<BoundaryElements>,
-        interrupts: &AtomicUsize,
-        progress: &(dyn Fn(usize, usize) + Sync),
+        watch: &OutcomesWatch<'_>,
         observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
     ) -> Result<Option<StochasticResult>, SolveError> {
         let (Some(random), Some(body)) = (scene.random.as_ref().filter(|_| run.went_well()), &run.matrices) else {
             return Ok(None);
         };
-        let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-        let solved = once_more(|| solve_stochastic(scene, random, body, progress, &stopped, observe));
+        let solved = once_more(|| solve_stochastic(scene, random, body, watch, observe));
         run.with_outcomes(solved)
     }
 

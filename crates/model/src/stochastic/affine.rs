@@ -15,9 +15,10 @@ use super::in_body::BodyMoments;
 use super::number::Number;
 use super::on_grid::{OutcomesOnGrid, numbers_of};
 use super::outcomes::Answer;
-use super::result::{BINS, BLOCK, Cells, End, KEPT, OVERLOOKED, StochasticResult, Watch, bounds, of_grid};
+use super::result::{BINS, BLOCK, Cells, End, KEPT, OVERLOOKED, StochasticResult, bounds, of_grid};
 use super::spread::is_rounding;
 use super::unseen::SAFETY;
+use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 use crate::grid::{AffineGrid, GridLayout, OfBlock};
 
@@ -94,7 +95,11 @@ struct Truncation {
 ///
 /// # Errors
 /// Moduli that some outcome makes 0 or negative; an outcome that cannot be solved; [`SolveError::Interrupted`].
-pub(super) fn of_affine(asked: &Asked<'_>, grid: &Grid, watch: &Watch<'_>) -> Result<StochasticResult, SolveError> {
+pub(super) fn of_affine(
+    asked: &Asked<'_>,
+    grid: &Grid,
+    watch: &OutcomesWatch<'_>,
+) -> Result<StochasticResult, SolveError> {
     let (scene, settings) = (&asked.outcomes.scene, &asked.random.stochastic);
     let variables: Vec<Variable> = asked.random.germs.iter().map(|g| g.variable.clone()).collect();
     let moduli = scene.affine_moduli(asked.random, grid)?;
@@ -139,7 +144,7 @@ fn polynomials(
     basis: TotalDegree,
     (equations, moduli): (&AffineGrid<'_>, &AffineModuli),
     variables: &[Variable],
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<Polynomials, SolveError> {
     let solved = equations.solve(&basis, SOLVED)?;
     let (count, n) = (basis.degrees().len(), solved.blocks.len() / basis.degrees().len());
@@ -250,7 +255,7 @@ impl Polynomials {
         random: &Random,
         variables: &[Variable],
         result: &mut StochasticResult,
-        watch: &Watch<'_>,
+        watch: &OutcomesWatch<'_>,
     ) -> Result<(), SolveError> {
         let (settings, count) = (&random.stochastic, random.stochastic.samples);
         let mut samples = vec![Vec::with_capacity(count); self.quantities.len()];
@@ -406,7 +411,11 @@ fn is_reached(coefficients: &[f64], left_out: f64, allowed: f64, scale: f64) -> 
 }
 
 /// The outcomes at both ends of each germ, the others at their means.
-fn at_ends(asked: &Asked<'_>, variables: &[Variable], watch: &Watch<'_>) -> Result<Vec<[Fresh; 2]>, SolveError> {
+fn at_ends(
+    asked: &Asked<'_>,
+    variables: &[Variable],
+    watch: &OutcomesWatch<'_>,
+) -> Result<Vec<[Fresh; 2]>, SolveError> {
     let means: Vec<f64> = variables.iter().map(Variable::mean).collect();
     let at = |m: usize, end: usize| {
         watch.check()?;
@@ -423,7 +432,7 @@ fn draw(
     count: usize,
     asked: &Asked<'_>,
     variables: &[Variable],
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<(), SolveError> {
     let settings = &asked.random.stochastic;
     let one = |i: usize| {

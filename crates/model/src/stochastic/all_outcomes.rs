@@ -13,9 +13,10 @@ use super::number::Number;
 use super::of_surrogate::of_surrogate;
 use super::one_by_one::OneByOne;
 use super::outcomes::Outcomes;
-use super::result::{BLOCK, FieldModes, StochasticResult, Watch};
+use super::result::{BLOCK, FieldModes, StochasticResult};
 use super::spread::{is_missed, judge, of_one_scale};
 use super::stage::OutcomeStage;
+use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 use crate::estimate::error_estimate::has_residuals;
 use crate::solve::body::Body;
@@ -34,12 +35,10 @@ pub fn solve_stochastic(
     scene: &Scene,
     random: &Random,
     body: &Body,
-    progress: &(dyn Fn(usize, usize) + Sync),
-    stopped: &(dyn Fn() -> bool + Sync),
+    watch: &OutcomesWatch<'_>,
     observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
 ) -> Result<StochasticResult, SolveError> {
     let clock = Instant::now();
-    let watch = Watch { progress, stopped };
     observe(OutcomeStage::Begin(random))?;
     let settings = &random.stochastic;
     let outcomes = Outcomes::new(scene, random, body)?;
@@ -48,8 +47,8 @@ pub fn solve_stochastic(
     let mut result = match settings.method {
         Sampling::Galerkin | Sampling::Collocation => {
             let coupled = is_coupled(scene, random)?;
-            let surrogate = solve_nodes(scene, random, &outcomes, coupled, &watch)?;
-            of_surrogate(scene, random, &surrogate, &outcomes, &watch, observe)?
+            let surrogate = solve_nodes(scene, random, &outcomes, coupled, watch)?;
+            of_surrogate(scene, random, &surrogate, &outcomes, watch, observe)?
         }
         Sampling::Multilevel => return Err(scene.no_family_of_grids().into()),
         Sampling::Sparse | Sampling::Corrected | Sampling::MonteCarlo => {
@@ -57,7 +56,7 @@ pub fn solve_stochastic(
             let (numbers, data) = (&outcomes.numbers[..], &outcomes.data);
             let kept = Kept::all(random);
             let one_by_one = OneByOne { numbers, scales: &scales, data, answer: &answer, kept, block: BLOCK };
-            one_by_one.solve(random, &watch, observe)?
+            one_by_one.solve(random, watch, observe)?
         }
     };
     if has_residuals(scene) {

@@ -7,8 +7,9 @@ use steklov_stochastic::{StochasticMesh, sample, solve_points};
 use super::events::Unanimous;
 use super::outcome_checks::{Miss, Residual, residual};
 use super::outcomes::{Answer, Outcomes};
-use super::result::Watch;
+
 use super::surrogate::Cell;
+use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 
 /// Number of samples at which polynomials say whether contact or stick differ from all nodes.
@@ -51,7 +52,7 @@ pub(super) fn check(
     cells: &[&Cell],
     settings: &Stochastic,
     round: usize,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<Check, SolveError> {
     let draw = |i: usize| sample(&mesh.variables, settings.seed ^ STREAM, (round * SCREENED + i) as u64);
     let foreseen: Vec<Unanimous<'_>> = cells.iter().map(|c| Unanimous::new(&c.basis, &c.answers, &[])).collect();

@@ -14,11 +14,12 @@ use super::in_body::BodySums;
 use super::kept::about_points;
 use super::one_by_one::OneByOne;
 use super::outcomes::Answer;
-use super::result::{End, OVERLOOKED, StochasticResult, UNDECIDED, Watch, of_grid};
+use super::result::{End, OVERLOOKED, StochasticResult, UNDECIDED, of_grid};
 use super::samples::of_samples;
 use super::spread::{is_rounding, spread};
 use super::stage::OutcomeStage;
 use super::unseen::{TAIL, Unseen, beside_samples, other_contact, unseen};
+use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 
 /// Fresh outcomes at first, and the number from which on their root mean square is believed.
@@ -70,7 +71,7 @@ impl Surrogate {
         (kept, level): (Vec<usize>, usize),
         outcomes: &OneByOne<'_>,
         random: &Random,
-        watch: &Watch<'_>,
+        watch: &OutcomesWatch<'_>,
     ) -> Result<Self, SolveError> {
         let variables: Vec<Variable> = kept.iter().map(|&germ| random.germs[germ].variable.clone()).collect();
         let polynomials = grid.polynomials(&variables, level)?;
@@ -149,7 +150,7 @@ impl Surrogate {
 pub(super) fn of_corrected(
     outcomes: &OneByOne<'_>,
     random: &Random,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
     observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
 ) -> Result<StochasticResult, SolveError> {
     let settings = &random.stochastic;
@@ -196,7 +197,7 @@ pub(super) fn of_corrected(
 fn samples_alone(
     outcomes: &OneByOne<'_>,
     random: &Random,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
     observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
 ) -> Result<StochasticResult, SolveError> {
     let wanted = (1.0 / random.stochastic.tolerance.powi(2)).ceil();
@@ -241,7 +242,7 @@ impl Rule<'_> {
     }
 
     /// Draws fresh outcomes up to a number of them.
-    fn draw(&mut self, count: usize, watch: &Watch<'_>) -> Result<(), SolveError> {
+    fn draw(&mut self, count: usize, watch: &OutcomesWatch<'_>) -> Result<(), SolveError> {
         let (have, variables, seed) = (self.fresh.answers.len(), self.variables(), self.random.stochastic.seed);
         let germs = |i: usize| sample(&variables, seed, (have + i) as u64);
         let fresh = &mut self.fresh;
@@ -281,7 +282,7 @@ impl Rule<'_> {
     }
 
     /// The polynomials with which the tolerance costs least; none if samples alone do.
-    fn surrogate(&mut self, watch: &Watch<'_>) -> Result<Option<Surrogate>, SolveError> {
+    fn surrogate(&mut self, watch: &OutcomesWatch<'_>) -> Result<Option<Surrogate>, SolveError> {
         let most = self.random.stochastic.max_nodes as f64;
         // of the germs of the polynomials alone, and of all
         let (mut best, mut within, mut misfit) = (None, 1.0f64, 1.0f64);
@@ -323,7 +324,7 @@ impl Rule<'_> {
     }
 
     /// Looks at outcomes with other contact or data than all that are solved.
-    fn missed(&self, surrogate: &Surrogate, watch: &Watch<'_>) -> Result<Missed, SolveError> {
+    fn missed(&self, surrogate: &Surrogate, watch: &OutcomesWatch<'_>) -> Result<Missed, SolveError> {
         let points: Vec<Vec<f64>> = surrogate.grid.points.iter().chain(&self.fresh.germs).cloned().collect();
         let all: Vec<&Answer> = surrogate.answers.iter().chain(&self.fresh.answers).collect();
         let Unseen { answers, ends, undecided } =

@@ -15,7 +15,8 @@ use steklov_problem::Scene;
 use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds, tensor_active_set};
 
 use super::outcomes::{Answer, Given, Outcomes};
-use super::result::Watch;
+use super::watch::OutcomesWatch;
+
 use crate::error::SolveError;
 use crate::solve::contact_rows::{ContactRow, contact_rows};
 use crate::solve::solution::Solved;
@@ -34,7 +35,7 @@ pub(crate) fn solve_cell(
     outcomes: &Outcomes<'_>,
     basis: &CellBasis,
     modulus: &dyn Fn(&[f64]) -> f64,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<Vec<Answer>, SolveError> {
     let mass = basis.mass(modulus)?;
     let size = mass.nrows();

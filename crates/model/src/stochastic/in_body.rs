@@ -1,9 +1,10 @@
 //! Mean and variance of the fields in a body on a grid, as its outcomes stream by.
 
+use serde::{Deserialize, Serialize};
 use steklov_stochastic::Moments;
 
 /// The fields of one outcome in the body.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct InBody {
     /// Displacement of the fine nodes, component fastest.
     pub displacement: Vec<f64>,

@@ -33,10 +33,13 @@ mod on_grid;
 mod multilevel;
 mod spread;
 mod all_outcomes;
+mod watch;
+mod elsewhere;
 mod estimate;
 mod json;
 
 pub use all_outcomes::solve_stochastic;
+pub use elsewhere::{answers, answers_on_grid, one_by_one};
 pub(crate) use estimate::mean_estimate;
 pub use in_body::{BodyMoments, InBody};
 pub use json::{json, method};
@@ -47,3 +50,4 @@ pub(crate) use outcomes::paths_of;
 pub use outcomes::{Answer, Outcomes};
 pub use result::{Cells, End, FieldModes, Level, Quantity, StochasticResult};
 pub use stage::{Modulus, OutcomeStage};
+pub use watch::{Elsewhere, OutcomesWatch, TOGETHER};

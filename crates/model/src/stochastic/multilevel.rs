@@ -12,9 +12,10 @@ use super::number::Number;
 use super::on_grid::{OutcomesOnGrid, numbers_of};
 use super::one_by_one::OneByOne;
 use super::outcomes::Answer;
-use super::result::{End, Level, StochasticResult, Watch, of_grid};
+use super::result::{End, Level, StochasticResult, of_grid};
 use super::spread::{is_rounding, spread};
 use super::unseen::beside_samples;
+use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 use crate::grid::GridLayout;
 
@@ -114,7 +115,7 @@ impl Levels<'_> {
     }
 
     /// Draws outcomes of a level up to a number of them; `total` are wanted on all levels.
-    fn draw(&mut self, level: usize, count: usize, total: usize, watch: &Watch<'_>) -> Result<(), SolveError> {
+    fn draw(&mut self, level: usize, count: usize, total: usize, watch: &OutcomesWatch<'_>) -> Result<(), SolveError> {
         let have = self.drawn[level].fine.len();
         let done = AtomicUsize::new(self.drawn.iter().map(|drawn| drawn.fine.len()).sum());
         let seed = self.random.stochastic.seed.wrapping_add((level as u64) << 40);
@@ -229,7 +230,7 @@ pub(super) fn of_levels(
     (scene, layout): (&Scene, &GridLayout),
     random: &Random,
     (numbers, scales): (&[Number], &[f64]),
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<StochasticResult, SolveError> {
     let settings = &random.stochastic;
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
@@ -264,7 +265,12 @@ pub(super) fn of_levels(
 
 /// The statistics of the differences: each outcome on a grid is a point whose weight is 1/N of its level, on the coarser grid
 /// -1/N.
-fn gathered(levels: &Levels<'_>, end: End, scene: &Scene, watch: &Watch<'_>) -> Result<StochasticResult, SolveError> {
+fn gathered(
+    levels: &Levels<'_>,
+    end: End,
+    scene: &Scene,
+    watch: &OutcomesWatch<'_>,
+) -> Result<StochasticResult, SolveError> {
     let (mut points, mut weights, mut answers) = (Vec::new(), Vec::new(), Vec::new());
     for Drawn { germs, fine, coarse } in &levels.drawn[levels.start..] {
         for (sign, members) in [(1.0, fine), (-1.0, coarse)] {
@@ -300,7 +306,7 @@ fn beside_coarsest(
     result: &mut StochasticResult,
     levels: &Levels<'_>,
     scene: &Scene,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<(), SolveError> {
     let Drawn { germs, fine, .. } = &levels.drawn[levels.start];
     let equal = vec![1.0 / fine.len() as f64; fine.len()];

@@ -12,8 +12,9 @@ use super::events::{events, slips};
 use super::jumps::split_at_cuts;
 use super::outcome_checks::{Look, Looked, look, mean_modulus};
 use super::outcomes::{Answer, Outcomes};
-use super::result::{End, Watch};
+use super::result::End;
 use super::surrogate::{Cell, Surrogate, Told};
+use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 
 /// Part of the squared error whose directions are refined at a time.
@@ -73,7 +74,7 @@ pub(crate) fn solve_nodes(
     random: &Random,
     outcomes: &Outcomes<'_>,
     coupled: bool,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<Surrogate, SolveError> {
     let settings = &random.stochastic;
     let variables = random.germs.iter().map(|g| g.variable.clone()).collect();
@@ -190,7 +191,7 @@ fn solve_todo(
     coupled: bool,
     mesh: &StochasticMesh,
     (todo, cells): (&[usize], &mut [Option<Cell>]),
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<(usize, usize), SolveError> {
     let bases: Vec<CellBasis> = todo.iter().map(|&c| mesh.basis(c, Nodes::Gauss)).collect::<Result<_, _>>()?;
     let answers = solve_cells(scene, outcomes, coupled, &bases, watch)?;
@@ -213,7 +214,7 @@ fn solve_cells(
     outcomes: &Outcomes<'_>,
     coupled: bool,
     bases: &[CellBasis],
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<Vec<Vec<Answer>>, SolveError> {
     if coupled {
         let nominal = scene.body().material().young;

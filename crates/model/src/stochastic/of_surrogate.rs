@@ -8,9 +8,10 @@ use super::effects::{exact_effects, sampled_effect};
 use super::events::events;
 use super::number::Number;
 use super::outcomes::{Answer, Outcomes};
-use super::result::{BINS, BLOCK, Cells, OVERLOOKED, Quantity, StochasticResult, UNDECIDED, Watch, bounds, of_grid};
+use super::result::{BINS, BLOCK, Cells, OVERLOOKED, Quantity, StochasticResult, UNDECIDED, bounds, of_grid};
 use super::stage::{Modulus, OutcomeStage};
 use super::surrogate::{Cell, Surrogate};
+use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 
 /// Most samples of a surrogate of several cells for the effects of single germs.
@@ -72,7 +73,7 @@ pub(super) fn of_surrogate(
     random: &Random,
     surrogate: &Surrogate,
     outcomes: &Outcomes<'_>,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
     observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
 ) -> Result<StochasticResult, SolveError> {
     let cells = &surrogate.cells;

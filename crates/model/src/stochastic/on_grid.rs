@@ -16,8 +16,9 @@ use super::multilevel::of_levels;
 use super::number::{Number, numbers};
 use super::one_by_one::OneByOne;
 use super::outcomes::{Answer, contact_answer};
-use super::result::{StochasticResult, Watch};
+use super::result::StochasticResult;
 use super::stage::OutcomeStage;
+use super::watch::OutcomesWatch;
 use crate::answer::report::figures;
 use crate::error::SolveError;
 use crate::grid::{Acting, GridLayout, GridSolved, solve_once};
@@ -39,12 +40,10 @@ pub fn solve_stochastic_on_grid(
     scene: &Scene,
     random: &Random,
     layout: &GridLayout,
-    progress: &(dyn Fn(usize, usize) + Sync),
-    stopped: &(dyn Fn() -> bool + Sync),
+    watch: &OutcomesWatch<'_>,
     observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
 ) -> Result<StochasticResult, SolveError> {
     let clock = Instant::now();
-    let watch = Watch { progress, stopped };
     observe(OutcomeStage::Begin(random))?;
     let (numbers, data) = (numbers(scene, random)?, InGerms::new(scene, random));
     let outcomes = OutcomesOnGrid::new(scene.clone(), random, layout.clone())?;
@@ -54,9 +53,9 @@ pub fn solve_stochastic_on_grid(
     let mut result = match method {
         Sampling::Galerkin => {
             let asked = Asked { outcomes: &outcomes, random, layout, numbers: &numbers, scales: &scales };
-            of_affine(&asked, &solved.body.grid, &watch)?
+            of_affine(&asked, &solved.body.grid, watch)?
         }
-        Sampling::Multilevel => of_levels((scene, layout), random, (&numbers, &scales), &watch)?,
+        Sampling::Multilevel => of_levels((scene, layout), random, (&numbers, &scales), watch)?,
         _ => {
             let answer = |germs: &[f64], _: &mut Option<Solution>| {
                 outcomes.solve(germs).map(|(scene, solved)| kept(&scene, &solved, &numbers))
@@ -67,7 +66,7 @@ pub fn solve_stochastic_on_grid(
             };
             let one_by_one =
                 OneByOne { numbers: &numbers, scales: &scales, data: &data, answer: &answer, kept, block: BLOCK };
-            one_by_one.solve(random, &watch, observe)?
+            one_by_one.solve(random, watch, observe)?
         }
     };
     result.moduli = sampled_moduli(scene, random, &solved.body.grid);
@@ -157,7 +156,7 @@ pub(super) fn numbers_of(scene: &Scene, solved: &GridSolved, numbers: &[Number])
 }
 
 /// The data of an outcome that statistics need.
-fn kept(scene: &Scene, solved: &GridSolved, numbers: &[Number]) -> Answer {
+pub(super) fn kept(scene: &Scene, solved: &GridSolved, numbers: &[Number]) -> Answer {
     let body = &solved.body;
     let cells: Vec<usize> = body.grid.body_cells().collect();
     let stresses = body.stresses(&solved.displacement);

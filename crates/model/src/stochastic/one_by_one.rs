@@ -1,5 +1,6 @@
 //! Outcomes that are solved one by one, of whatever body: at the points of a sparse grid, and samples.
 
+use rayon::prelude::*;
 use steklov_contact::Solution;
 use steklov_problem::{Random, Sampling};
 use steklov_stochastic::{Points, Variable, smolyak, solve_points};
@@ -10,14 +11,18 @@ use super::jumps::InGerms;
 use super::kept::Kept;
 use super::number::Number;
 use super::outcomes::Answer;
-use super::result::{StochasticResult, Watch, of_grid};
+use super::result::{StochasticResult, of_grid};
 use super::samples::of_samples;
 use super::stage::OutcomeStage;
 use super::unseen::{beside_grid, beside_samples};
+use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 
 /// An outcome's germs to its answer; the solution of a similar outcome may be the start.
 pub(super) type Answering<'a> = dyn Fn(&[f64], &mut Option<Solution>) -> Result<Answer, SolveError> + Sync + 'a;
+
+/// Blocks that are answered elsewhere at a time.
+const BLOCKS: usize = 16;
 
 /// How the outcomes of a scene are answered one by one.
 pub(super) struct OneByOne<'a> {
@@ -42,7 +47,7 @@ impl OneByOne<'_> {
     pub(super) fn solve(
         &self,
         random: &Random,
-        watch: &Watch<'_>,
+        watch: &OutcomesWatch<'_>,
         observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
     ) -> Result<StochasticResult, SolveError> {
         let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
@@ -66,7 +71,7 @@ impl OneByOne<'_> {
     pub(super) fn at_points(
         &self,
         grid: &Points,
-        watch: &Watch<'_>,
+        watch: &OutcomesWatch<'_>,
         observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
     ) -> Result<(Vec<Answer>, BodySums), SolveError> {
         let count = grid.points.len();
@@ -87,20 +92,27 @@ impl OneByOne<'_> {
         &self,
         count: usize,
         germs: &(dyn Fn(usize) -> Vec<f64> + Sync),
-        watch: &Watch<'_>,
+        watch: &OutcomesWatch<'_>,
         take: &mut dyn FnMut(usize, Vec<Vec<f64>>, Vec<Answer>) -> Result<(), SolveError>,
     ) -> Result<(), SolveError> {
-        for first in (0..count).step_by(self.block) {
-            let block = self.block.min(count - first);
-            let answers = solve_points(block, |i, warm: &mut Option<Solution>| {
-                watch.check()?;
-                let germs = germs(first + i);
-                let answer = (self.answer)(&germs, warm)?;
-                Ok::<_, SolveError>((germs, answer))
-            })?;
-            watch.tell(first + block, count);
-            let (germs, answers) = answers.into_iter().unzip();
-            take(first, germs, answers)?;
+        // others get several blocks at once: each of them is to have work
+        let length = if watch.elsewhere.is_some() { BLOCKS * self.block } else { self.block };
+        for first in (0..count).step_by(length) {
+            let length = length.min(count - first);
+            watch.check()?;
+            let mut germs: Vec<Vec<f64>> = (first..first + length).into_par_iter().map(germs).collect();
+            let mut answers = match watch.elsewhere {
+                Some(elsewhere) => elsewhere(&germs)?,
+                None => solve_points(length, |i, warm: &mut Option<Solution>| {
+                    watch.check()?;
+                    (self.answer)(&germs[i], warm)
+                })?,
+            };
+            watch.tell(first + length, count);
+            for first in (first..first + length).step_by(self.block) {
+                let block = self.block.min(germs.len());
+                take(first, germs.drain(..block).collect(), answers.drain(..block).collect())?;
+            }
         }
         Ok(())
     }

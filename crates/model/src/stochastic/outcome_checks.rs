@@ -6,7 +6,8 @@ use steklov_stochastic::{CellBasis, StochasticMesh, solve_points};
 use super::events::Unanimous;
 use super::jumps::Overlooked;
 use super::outcomes::{Answer, Outcomes};
-use super::result::Watch;
+use super::watch::OutcomesWatch;
+
 use crate::error::SolveError;
 
 /// Part of the probability of a cell beyond which a germ without bounds is not examined.
@@ -110,7 +111,7 @@ pub(super) fn look(
     outcomes: &Outcomes<'_>,
     mesh: &StochasticMesh,
     cells: &[Looked<'_>],
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<Look, SolveError> {
     let inside = |[a, b]: [f64; 2]| [a + INSIDE * (b - a), b - INSIDE * (b - a)];
     let ends: Vec<Vec<[f64; 2]>> =

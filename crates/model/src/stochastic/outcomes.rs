@@ -3,6 +3,7 @@
 //! With E_k = ξ_k Ē_k of body k its matrices are ξ_k times those of Ē_k: no body is condensed again, only the skeleton of the
 //! interfaces between several bodies.
 
+use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_problem::{Random, Scene, Solver, Uses};
@@ -41,7 +42,7 @@ pub struct Outcomes<'a> {
 }
 
 /// The kept data of the answer to one outcome.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Answer {
     /// E/E₀, of several bodies that of the first one with a random modulus; on grids the mean of E over the body.
     pub modulus: f64,

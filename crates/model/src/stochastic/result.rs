@@ -195,26 +195,10 @@ pub struct StochasticResult {
     pub seconds: f64,
 }
 
-/// Watches a long solve: receives how many points of how many are done; says when the user wants it to end.
-pub(crate) struct Watch<'a> {
-    pub(crate) progress: &'a (dyn Fn(usize, usize) + Sync),
-    pub(crate) stopped: &'a (dyn Fn() -> bool + Sync),
-}
-
 impl StochasticResult {
     /// Whether the outcomes are in doubt: they show what the points do not, or may do so.
     pub fn is_doubtful(&self) -> bool {
         self.overlooked || self.unseen.is_some() || self.quantities.iter().any(|q| q.bounds_left.is_some())
-    }
-}
-
-impl Watch<'_> {
-    pub(crate) fn tell(&self, done: usize, count: usize) {
-        (self.progress)(done, count);
-    }
-
-    pub(crate) fn check(&self) -> Result<(), SolveError> {
-        if (self.stopped)() { Err(SolveError::Interrupted) } else { Ok(()) }
     }
 }
 

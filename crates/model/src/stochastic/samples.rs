@@ -6,8 +6,9 @@ use steklov_stochastic::{Accumulator, Variable, density, quantiles, sample};
 use super::in_body::BodySums;
 use super::one_by_one::OneByOne;
 use super::outcomes::Answer;
-use super::result::{BINS, Quantity, StochasticResult, Watch, touches};
+use super::result::{BINS, Quantity, StochasticResult, touches};
 use super::stage::OutcomeStage;
+use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 
 /// The kept data of the outcomes that have gone by.
@@ -49,7 +50,7 @@ pub(super) fn of_samples(
     outcomes: &OneByOne<'_>,
     variables: &[Variable],
     random: &Random,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
     observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
 ) -> Result<StochasticResult, SolveError> {
     let settings = &random.stochastic;

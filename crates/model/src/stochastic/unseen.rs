@@ -8,7 +8,8 @@ use steklov_stochastic::{Points, Variable, sample, solve_points};
 use super::check::{STREAM, wanted};
 use super::one_by_one::OneByOne;
 use super::outcomes::Answer;
-use super::result::{OVERLOOKED, StochasticResult, UNDECIDED, Watch, touches};
+use super::result::{OVERLOOKED, StochasticResult, UNDECIDED, touches};
+use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 
 /// Samples see an event whose probability is this number over their count with a probability of 95 %.
@@ -50,7 +51,7 @@ pub(super) fn unseen(
     random: &Random,
     points: &[Vec<f64>],
     count: usize,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<Unseen, SolveError> {
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
     let likely = (LIKELY / count as f64).min(1.0);
@@ -94,7 +95,7 @@ pub(super) fn beside_samples(
     result: &mut StochasticResult,
     outcomes: &OneByOne<'_>,
     random: &Random,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<(), SolveError> {
     let Unseen { answers, undecided, .. } = unseen(outcomes, random, &result.points, result.points.len(), watch)?;
     result.checks = answers.len();
@@ -130,7 +131,7 @@ pub(super) fn beside_grid(
     (grid, answers): (&Points, &[Answer]),
     outcomes: &OneByOne<'_>,
     random: &Random,
-    watch: &Watch<'_>,
+    watch: &OutcomesWatch<'_>,
 ) -> Result<(), SolveError> {
     let settings = &random.stochastic;
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();

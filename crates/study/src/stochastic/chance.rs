@@ -9,7 +9,9 @@ use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::Run;
 use steklov_model::run::boundary_elements::BoundaryElements;
-use steklov_model::stochastic::{End, StochasticResult, is_coupled, solve_stochastic, solve_stochastic_on_grid};
+use steklov_model::stochastic::{
+    End, OutcomesWatch, StochasticResult, is_coupled, solve_stochastic, solve_stochastic_on_grid,
+};
 use steklov_problem::{Random, Scene, Stochastic};
 use steklov_stochastic::Accumulator;
 
@@ -163,7 +165,8 @@ pub fn chance(
     };
     let interrupts = watch.interrupts;
     let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-    let solve = |random: &Random| solve_stochastic(scene, random, body, &|_, _| {}, &stopped, &mut |_| Ok(()));
+    let of_outcomes = OutcomesWatch { stopped: &stopped, ..OutcomesWatch::NONE };
+    let solve = |random: &Random| solve_stochastic(scene, random, body, &of_outcomes, &mut |_| Ok(()));
     let coupled = is_coupled(scene, random)?;
     chance.by_all_rules((scene, random), (&solve, deterministic), coupled, watch)
 }
@@ -183,8 +186,8 @@ pub fn chance_on_grid(
     let chance = Chance { dofs: step.dofs, estimate, ..Chance::default() };
     let interrupts = watch.interrupts;
     let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-    let solve =
-        |random: &Random| solve_stochastic_on_grid(scene, random, &step.layout, &|_, _| {}, &stopped, &mut |_| Ok(()));
+    let of_outcomes = OutcomesWatch { stopped: &stopped, ..OutcomesWatch::NONE };
+    let solve = |random: &Random| solve_stochastic_on_grid(scene, random, &step.layout, &of_outcomes, &mut |_| Ok(()));
     chance.by_all_rules((scene, random), (&solve, step.seconds[..4].iter().sum()), false, watch)
 }
 

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::{Progress, Reason, Run, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
-use steklov_model::stochastic::solve_stochastic;
+use steklov_model::stochastic::{OutcomesWatch, solve_stochastic};
 use steklov_problem::{Random, Refine, Scene, Stochastic};
 
 use super::relative;
@@ -193,7 +193,13 @@ fn point(
     let quantities = Some(PATHS.map(String::from).to_vec());
     let random = with(random, Stochastic { quantities, ..settings.clone() });
     let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-    let result = solve_stochastic(scene, &random, run.matrices(scene)?, &|_, _| {}, &stopped, &mut |_| Ok(()))?;
+    let result = solve_stochastic(
+        scene,
+        &random,
+        run.matrices(scene)?,
+        &OutcomesWatch { stopped: &stopped, ..OutcomesWatch::NONE },
+        &mut |_| Ok(()),
+    )?;
     let step = run.step();
     Ok(Point {
         curve,

@@ -1,0 +1,83 @@
+"""Points and outcomes by the workers of a Dask cluster, beside those of one process."""
+
+import json
+import os
+import pathlib
+import signal
+import threading
+import time
+
+import numpy
+import pytest
+
+import steklov
+
+distributed = pytest.importorskip("distributed")
+ROOT = pathlib.Path(os.environ["ROOT"])
+SCENE = ROOT / "scenes" / "29-random-modulus.toml"
+TIMES = ("seconds", "peak_memory_bytes", "file")
+
+
+def without_times(value):
+    if isinstance(value, dict):
+        return {key: without_times(entry) for key, entry in value.items() if key not in TIMES}
+    return [without_times(entry) for entry in value] if isinstance(value, list) else value
+
+
+@pytest.fixture(scope="module")
+def client():
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, distributed.Client(cluster) as client:
+        yield client
+
+
+def kill_a_worker_after(client, seconds):
+    """Kills a worker of the cluster once it works."""
+    pid = next(iter(client.run(os.getpid).values()))
+    timer = threading.Timer(seconds, lambda: os.kill(pid, signal.SIGKILL))
+    timer.start()
+    return timer
+
+
+def test_points_have_the_bits_of_one_process_and_a_dead_worker_is_replaced(client):
+    vary, settings = {"material.young": numpy.linspace(1, 2, 60)}, {"method__tolerance": 1e-3}
+    path = ROOT / "scenes" / "block-on-floor.toml"
+    alone = steklov.sweep(path, vary, **settings)
+    timer, told = kill_a_worker_after(client, 1.0), []
+    shared = steklov.sweep(path, vary, client=client, progress=lambda text, share: told.append(share), **settings)
+    timer.join()
+    assert shared.summaries == alone.summaries and told[-1] == 1.0 and told == sorted(told)
+    with pytest.raises(steklov.SceneError, match="materials.young") as refused:
+        steklov.sweep(path, {"materials.young": [1, 2]}, client=client)
+    assert refused.value.help
+
+
+@pytest.mark.parametrize("method", ["monte-carlo", "sparse", "corrected"])
+def test_outcomes_have_the_bits_of_one_process(client, method):
+    settings = {"method__tolerance": 1e-2, "stochastic": {"method": method, **({"samples": 1000} if method == "monte-carlo" else {})}}
+    alone = steklov.solve(SCENE, **settings)
+    shared = steklov.solve(SCENE, client=client, **settings)
+    assert json.dumps(without_times(alone.summary)) == json.dumps(without_times(shared.summary))
+
+
+def test_outcomes_are_complete_where_a_worker_dies(client):
+    settings = {"method__tolerance": 1e-2, "stochastic": {"method": "monte-carlo", "samples": 1000}}
+    timer = kill_a_worker_after(client, 0.7)
+    shared = steklov.solve(SCENE, client=client, **settings)
+    timer.join()
+    assert json.dumps(without_times(steklov.solve(SCENE, **settings).summary)) == json.dumps(without_times(shared.summary))
+
+
+def test_outcomes_that_cannot_be_divided_are_refused(client):
+    with pytest.raises(steklov.SolveError, match="leave out client, or set stochastic.method"):
+        steklov.solve(SCENE, client=client, stochastic__method="galerkin")
+    with pytest.raises(steklov.SolveError, match="nothing of this scene is random"):
+        steklov.solve(ROOT / "scenes" / "block-on-floor.toml", client=client)
+
+
+def test_ctrl_c_ends_outcomes_on_a_cluster(client):
+    timer = threading.Timer(1.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    clock = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        steklov.solve(SCENE, client=client, stochastic={"method": "monte-carlo", "samples": 100000})
+    assert time.monotonic() - clock < 5
