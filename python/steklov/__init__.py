@@ -14,12 +14,12 @@
 
 import json
 
-from . import _steklov
-from .errors import SceneError, SolveError, SteklovError
+from . import _steklov, blocks
+from .errors import BlockError, SceneError, SolveError, SteklovError
 from .result import Quantities, Result
 from .scene import settings_of, text_of
 
-__all__ = ["Quantities", "Result", "SceneError", "SolveError", "SteklovError", "plan", "solve", "text_of"]
+__all__ = ["BlockError", "Quantities", "Result", "SceneError", "SolveError", "SteklovError", "blocks", "plan", "solve", "text_of"]
 
 
 def solve(scene, *, progress=None, **overrides):

@@ -1,7 +1,8 @@
-//! The extension module of the Python package `steklov`: scenes planned and solved, with the GIL released. What is comfortable about the
-//! package is written in Python, in `python/steklov`.
+//! The extension module of the Python package `steklov`: scenes planned and solved, and the numerics one by one, with the GIL released.
+//! What is comfortable about the package is written in Python, in `python/steklov`.
 
 mod answer;
+mod blocks;
 
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -155,4 +156,6 @@ mod _steklov {
     use super::{colour_interval, plan, solve};
     #[pymodule_export]
     use crate::answer::Solved;
+    #[pymodule_export]
+    use crate::blocks::{Answer, ContactProblem, KarhunenLoeve, Mesh, Operators, Polygon, Steklov, cell_basis, rule};
 }
