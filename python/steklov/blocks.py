@@ -16,7 +16,6 @@ data is a BlockError that names the place and the remedy.
 """
 
 import math
-import operator
 from collections.abc import Iterable
 from functools import cached_property
 from typing import NamedTuple
@@ -24,74 +23,11 @@ from typing import NamedTuple
 import numpy
 
 from . import _steklov
+from .checks import count, number, numbers, of_kind, own, spread, word
 from .errors import BlockError, near
 
 __all__ = ["CellBasis", "ContactAnswer", "ContactProblem", "KarhunenLoeve", "Loop", "Mesh", "Operators", "Polygon", "Rule", "Steklov"]
 __all__ += ["cell_basis", "circle", "rule"]
-
-
-def _word(name, value, words):
-    """The value, if it is one of the words."""
-    if not (isinstance(value, str) and value in list(words)):
-        hint = near(value, words) if isinstance(value, str) else ""
-        raise BlockError(f"{name} is {value!r}{hint}: it is one of {', '.join(map(repr, words))}")
-    return value
-
-
-def _count(name, value, least=0):
-    """A whole number that is not below the least one."""
-    try:
-        number = operator.index(value)
-    except TypeError:
-        raise BlockError(f"{name} is {value!r}: it is a whole number") from None
-    if not least <= number < 2**31:
-        raise BlockError(f"{name} is {number}: it is at least {least} and below 2^31")
-    return number
-
-
-def _numbers(name, value, shape=None, *, infinite=False):
-    """Finite numbers of a shape, an axis of any length being None; a shape of None is any."""
-    try:
-        array = numpy.asarray(value)
-        array = numpy.array(array, dtype=float) if array.dtype.kind in "biuf" or not array.size else None
-    except (TypeError, ValueError):
-        array = None
-    if array is None:
-        raise BlockError(f"{name} is no array of real numbers: make one by numpy.array, with rows of equal lengths")
-    if shape is not None and not (array.ndim == len(shape) and all(s in (None, n) for s, n in zip(shape, array.shape))):
-        wanted = ", ".join("any" if s is None else str(s) for s in shape)
-        raise BlockError(f"{name} has the shape {array.shape}: it must be ({wanted})")
-    bad = numpy.argwhere(numpy.isnan(array) if infinite else ~numpy.isfinite(array))
-    if len(bad):
-        at, place = tuple(int(i) for i in bad[0]), "".join(f"[{i}]" for i in bad[0])
-        raise BlockError(f"{name}{place} is {array[at]}: it must be {'a number' if infinite else 'finite'}")
-    return array
-
-
-def _number(name, value):
-    return float(_numbers(name, value, ()))
-
-
-def _spread(name, value, shape, **how):
-    """Numbers of a shape, from fewer where they repeat along the first axes."""
-    array = _numbers(name, value, **how)
-    try:
-        return numpy.broadcast_to(array, shape)
-    except ValueError:
-        raise BlockError(f"{name} has the shape {array.shape}: it must be {shape}, or one for all") from None
-
-
-def _own(array):
-    """An array that cannot be written."""
-    array = numpy.asarray(array)
-    array.setflags(write=False)
-    return array
-
-
-def _is(name, value, kind):
-    if not isinstance(value, kind):
-        raise BlockError(f"{name} is a {type(value).__name__}: it must be a blocks.{kind.__name__}")
-    return value
 
 
 class Rule(NamedTuple):
@@ -123,7 +59,7 @@ def rule(kind, n, **more):
     ratio^((1+a) layers).
     "logarithmic": n Gauss points in t on [0, 1], x = t^power, for A(x) + B(x) log x with smooth A and B; degree 2 n // power - 1.
     """
-    known = _RULES[_word("kind", kind, _RULES)]
+    known = _RULES[word("kind", kind, _RULES)]
     for name in more:
         if name not in known:
             takes = ", ".join(known) or "n alone"
@@ -131,13 +67,10 @@ def rule(kind, n, **more):
     given = {**{name: value for kinds in _RULES.values() for name, value in kinds.items()}, **more}
     points, weights, degree = _steklov.rule(
         kind,
-        _count("n", n, 1),
-        _number("alpha", given["alpha"]),
-        _number("beta", given["beta"]),
-        _count("layers", given["layers"]),
-        _number("ratio", given["ratio"]),
-        _word("end", given["end"], ["left", "right", "both", "zero"]),
-        _count("power", given["power"], 1),
+        count("n", n, 1),
+        [number(name, given[name]) for name in ("alpha", "beta")],
+        (count("layers", given["layers"]), number("ratio", given["ratio"]), word("end", given["end"], ["left", "right", "both", "zero"])),
+        count("power", given["power"], 1),
     )
     return Rule(points, weights, degree)
 
@@ -153,13 +86,13 @@ class Loop(NamedTuple):
 
 def circle(centre, radius, side, arcs=4):
     """A circle as a loop of equal arcs of one side, counter-clockwise from the right."""
-    centre, radius, arcs = _numbers("centre", centre, (2,)), _number("radius", radius), _count("arcs", arcs, 2)
+    centre, radius, arcs = numbers("centre", centre, (2,)), number("radius", radius), count("arcs", arcs, 2)
     if radius <= 0:
         raise BlockError(f"radius is {radius}: it must be positive")
     # the ends of the axes without rounding
     axes = {0: (1, 0), 1: (0, 1), 2: (-1, 0), 3: (0, -1)}
     angles = [2 * math.pi * k / arcs for k in range(arcs)]
-    unit = [axes[4 * k // arcs] if 4 * k % arcs == 0 else (math.cos(angle), math.sin(angle)) for k, angle in enumerate(angles)]
+    unit = [(math.cos(a), math.sin(a)) if 4 * k % arcs else axes[4 * k // arcs] for k, a in enumerate(angles)]
     return Loop(centre + radius * numpy.array(unit), [side] * arcs, [2 * math.pi / arcs] * arcs)
 
 
@@ -169,11 +102,11 @@ def _listed(name, loop):
         corners, sides, turns = loop if len(loop) == 3 else (*loop, None)
     except (TypeError, ValueError):
         raise BlockError(f"{name} is {loop!r}: it is a blocks.Loop, or corners and sides") from None
-    corners = _numbers(f"{name}.corners", corners, (None, 2))
+    corners = numbers(f"{name}.corners", corners, (None, 2))
     names = [] if isinstance(sides, str) or not isinstance(sides, Iterable) else list(sides)
     if len(names) != len(corners) or not all(isinstance(side, str) for side in names):
         raise BlockError(f"{name}.sides is {sides!r}: it lists a name for each of {len(corners)} edges")
-    turns = [] if turns is None else _numbers(f"{name}.turns", turns, (len(corners),)).tolist()
+    turns = [] if turns is None else numbers(f"{name}.turns", turns, (len(corners),)).tolist()
     return corners.tolist(), names, turns
 
 
@@ -184,7 +117,8 @@ class Polygon:
     """
 
     def __init__(self, corners, sides=None, holes=(), *, turns=None):
-        outer = corners if isinstance(corners, Loop) and sides is None and turns is None else Loop(corners, [] if sides is None else sides, turns)
+        whole = isinstance(corners, Loop) and sides is None and turns is None
+        outer = corners if whole else Loop(corners, [] if sides is None else sides, turns)
         self._set(_listed("outer", outer), holes)
 
     def _set(self, outer, holes):
@@ -212,7 +146,7 @@ class Polygon:
     @property
     def centroid(self):
         """The centre of mass (2,); that of the holes, for the plane around them."""
-        return _own(numpy.array(self._of.centroid()))
+        return own(numpy.array(self._of.centroid()))
 
     @property
     def sides(self):
@@ -248,14 +182,14 @@ class Mesh:
     def __init__(self, of, polygon):
         self._of, self.polygon = of, polygon
         for name, array in of.arrays().items():
-            setattr(self, name, _own(array))
+            setattr(self, name, own(array))
         self.sides = of.sides()
 
     @classmethod
     def uniform(cls, polygon, elements, degree):
         """So many elements of one degree (1 to 64), equal ones on each edge, more on longer edges; at least one on each."""
-        of = _is("polygon", polygon, Polygon)._of
-        return cls(_steklov.Mesh.uniform(of, _count("elements", elements, 1), _count("degree", degree, 1)), polygon)
+        of = of_kind("polygon", polygon, Polygon)._of
+        return cls(_steklov.Mesh.uniform(of, count("elements", elements, 1), count("degree", degree, 1)), polygon)
 
     @classmethod
     def graded(cls, polygon, towards, layers, ratio=0.15, degree=1):
@@ -264,13 +198,13 @@ class Mesh:
         `towards` lists pairs of an edge and s in [0, 1] along it: (k, 0) is corner k. `degree` is one for all, or layers + 1 of them, the
         first of the elements at the points.
         """
-        of, layers = _is("polygon", polygon, Polygon)._of, _count("layers", layers)
-        towards = _numbers("towards", towards, (None, 2))
-        pairs = [(_count(f"towards[{k}][0]", int(edge) if edge == int(edge) else edge), s) for k, (edge, s) in enumerate(towards.tolist())]
+        of, layers = of_kind("polygon", polygon, Polygon)._of, count("layers", layers)
+        towards = numbers("towards", towards, (None, 2))
+        pairs = [(count(f"towards[{k}][0]", int(edge) if edge == int(edge) else edge), s) for k, (edge, s) in enumerate(towards.tolist())]
         if layers > 1000:
             raise BlockError(f"layers is {layers}: beyond 1000 no number holds the smallest element")
-        degrees = [_count("degree", degree, 1)] * (layers + 1) if numpy.ndim(degree) == 0 else [_count("degree", p, 1) for p in degree]
-        return cls(_steklov.Mesh.graded(of, pairs, layers, _number("ratio", ratio), degrees), polygon)
+        degrees = [count("degree", degree, 1)] * (layers + 1) if numpy.ndim(degree) == 0 else [count("degree", p, 1) for p in degree]
+        return cls(_steklov.Mesh.graded(of, pairs, layers, number("ratio", ratio), degrees), polygon)
 
     def _marked(self, marked):
         """Marks from truth values or numbers of elements."""
@@ -320,31 +254,31 @@ class Operators:
     """
 
     def __init__(self, mesh, young, poisson, plane="strain", length=None):
-        self.mesh = _is("mesh", mesh, Mesh)
-        plane = _word("plane", plane, ["strain", "stress"])
-        length = None if length is None else _number("length", length)
-        self._of = _steklov.Operators(mesh._of, _number("young", young), _number("poisson", poisson), plane, length)
+        self.mesh = of_kind("mesh", mesh, Mesh)
+        plane = word("plane", plane, ["strain", "stress"])
+        length = None if length is None else number("length", length)
+        self._of = _steklov.Operators(mesh._of, number("young", young), number("poisson", poisson), plane, length)
         self.length = self._of.length()
 
     @cached_property
     def V(self):
         """The single layer matrix."""
-        return _own(self._of.v())
+        return own(self._of.v())
 
     @cached_property
     def K(self):
         """The double layer matrix."""
-        return _own(self._of.k())
+        return own(self._of.k())
 
     @cached_property
     def W(self):
         """The hypersingular matrix."""
-        return _own(self._of.w())
+        return own(self._of.w())
 
     @cached_property
     def M(self):
         """The mass matrix."""
-        return _own(self._of.m())
+        return own(self._of.m())
 
     @cached_property
     def _interior(self):
@@ -361,7 +295,7 @@ class Operators:
         `domain="exterior"` is the plane around a body, H = M/2 - K. In an unbounded domain displacements decay at infinity, or grow like
         log(L/r) with a net force; `bounded_at_infinity` lets them tend to a constant, without a net force.
         """
-        _word("domain", domain, ["interior", "exterior"])
+        word("domain", domain, ["interior", "exterior"])
         bounded = self.mesh.polygon.bounded
         if domain == "exterior" and not bounded:
             raise BlockError("domain is 'exterior' of a plane around holes: that is not one body; take 'interior' for the plane")
@@ -376,10 +310,10 @@ class Steklov:
 
     def __init__(self, of):
         self._of = of
-        self.matrix = _own(of.matrix())
+        self.matrix = own(of.matrix())
 
     def _displacement(self, displacement):
-        array = _numbers("displacement", displacement)
+        array = numbers("displacement", displacement)
         if array.size != len(self.matrix):
             raise BlockError(f"displacement has the shape {array.shape}: it has x and y at {len(self.matrix) // 2} nodes")
         return array.ravel().tolist()
@@ -407,7 +341,7 @@ class ContactAnswer:
     def __init__(self, of, problem):
         self._of = of
         for name, part in of.parts().items():
-            setattr(self, name, _own(part) if isinstance(part, numpy.ndarray) else part)
+            setattr(self, name, own(part) if isinstance(part, numpy.ndarray) else part)
         self.converged = self.outcome == "converged"
         self.kkt = problem._of.kkt(self.displacement.tolist(), self.multipliers.tolist())
 
@@ -431,41 +365,41 @@ class ContactProblem:
 
     def __init__(self, stiffness, load, gap, *, node=None, weight=1.0, tangent_weight=None, normal=None, tangent=None, slip=0.0, bound=0.0,
                  coefficient=0.0, unknowns=2):
-        stiffness = _numbers("stiffness", stiffness, (None, None))
+        stiffness = numbers("stiffness", stiffness, (None, None))
         m = len(stiffness)
-        _numbers("stiffness", stiffness, (m, m))
-        load = _numbers("load", load, (m,))
+        numbers("stiffness", stiffness, (m, m))
+        load = numbers("load", load, (m,))
         if m == 0:
             raise BlockError("stiffness has no rows: a problem has at least one node")
-        if _count("unknowns", unknowns, 1) > 2 or m % unknowns:
+        if count("unknowns", unknowns, 1) > 2 or m % unknowns:
             raise BlockError(f"unknowns is {unknowns}: a node has 1 or 2, and {m} rows of stiffness are whole nodes")
         node = numpy.arange(m // unknowns) if node is None else numpy.asarray(node)
         if node.ndim != 1 or node.size and node.dtype.kind not in "iu":
             raise BlockError(f"node is an array of {node.dtype} of the shape {node.shape}: it lists the node of each condition")
         k = len(node)
-        node = [_count(f"node[{i}]", n) for i, n in enumerate(node.tolist())]
-        numbers = numpy.empty((k, 10))
-        numbers[:, 6:] = numpy.stack([
-            _spread("gap", gap, (k,)), _spread("slip", slip, (k,)), _spread("bound", bound, (k,), infinite=True),
-            _spread("coefficient", coefficient, (k,)),
+        node = [count(f"node[{i}]", n) for i, n in enumerate(node.tolist())]
+        rows = numpy.empty((k, 10))
+        rows[:, 6:] = numpy.stack([
+            spread("gap", gap, (k,)), spread("slip", slip, (k,)), spread("bound", bound, (k,), infinite=True),
+            spread("coefficient", coefficient, (k,)),
         ], axis=1)
-        numbers[:, 4] = _spread("weight", weight, (k,))
+        rows[:, 4] = spread("weight", weight, (k,))
         if unknowns == 1:
-            if tangent is not None or tangent_weight is not None or numbers[:, 7:].any():
+            if tangent is not None or tangent_weight is not None or rows[:, 7:].any():
                 raise BlockError("nodes of one unknown have no tangent: leave out tangent, tangent_weight, slip, bound and coefficient")
-            numbers[:, :4], numbers[:, 5] = 0.0, 0.0
-            numbers[:, 0] = _spread("normal", 1.0 if normal is None else normal, (k,))
+            rows[:, :4], rows[:, 5] = 0.0, 0.0
+            rows[:, 0] = spread("normal", 1.0 if normal is None else normal, (k,))
         else:
-            numbers[:, :2] = _spread("normal", [1.0, 0.0] if normal is None else normal, (k, 2))
-            turned = numpy.stack([-numbers[:, 1], numbers[:, 0]], axis=1)
-            numbers[:, 2:4] = turned if tangent is None else _spread("tangent", tangent, (k, 2))
-            numbers[:, 5] = numbers[:, 4] if tangent_weight is None else _spread("tangent_weight", tangent_weight, (k,))
-        self._of = _steklov.ContactProblem(stiffness, load.tolist(), unknowns, node, numbers)
+            rows[:, :2] = spread("normal", [1.0, 0.0] if normal is None else normal, (k, 2))
+            turned = numpy.stack([-rows[:, 1], rows[:, 0]], axis=1)
+            rows[:, 2:4] = turned if tangent is None else spread("tangent", tangent, (k, 2))
+            rows[:, 5] = rows[:, 4] if tangent_weight is None else spread("tangent_weight", tangent_weight, (k,))
+        self._of = _steklov.ContactProblem(stiffness, load.tolist(), unknowns, node, rows)
         self._sizes = m, k
 
     def _state(self, displacement, multipliers):
         m, k = self._sizes
-        return _numbers("displacement", displacement, (m,)).tolist(), _numbers("multipliers", multipliers, (k, 2)).tolist()
+        return numbers("displacement", displacement, (m,)).tolist(), numbers("multipliers", multipliers, (k, 2)).tolist()
 
     def solve(self, solver="interior-point", *, start=None, step=None):
         """The answer of a solver, a ContactAnswer.
@@ -473,7 +407,7 @@ class ContactProblem:
         "interior-point" is the safest. "newton" (semi-smooth), "active-set", "fixed-point" (Coulomb's law as a row of Tresca problems) and
         "uzawa" go out from `start`, an answer or a pair of displacement and multipliers; "uzawa" takes a `step`, by default a safe one.
         """
-        _word("solver", solver, _SOLVERS)
+        word("solver", solver, _SOLVERS)
         if start is not None:
             if solver == "interior-point":
                 raise BlockError("start has no use for 'interior-point': leave it out, or take 'newton'")
@@ -486,7 +420,7 @@ class ContactProblem:
         if step is not None:
             if solver != "uzawa":
                 raise BlockError(f"step is of 'uzawa', not of {solver!r}: leave it out")
-            step = _number("step", step)
+            step = number("step", step)
         return ContactAnswer(self._of.solve(solver, start, step), self)
 
     def kkt(self, displacement, multipliers):
@@ -501,7 +435,7 @@ class ContactProblem:
     def contraction(self, answer):
         """The contraction of the fixed point of Tresca problems at an answer: the largest modulus of its eigenvalues, below 1 where it
         converges, and the largest positive real one, above 1 where other solutions are to be expected."""
-        if self._sizes != (_is("answer", answer, ContactAnswer).displacement.size, len(answer.multipliers)):
+        if self._sizes != (of_kind("answer", answer, ContactAnswer).displacement.size, len(answer.multipliers)):
             raise BlockError("answer is one of another problem: solve this one")
         return self._of.contraction(answer._of)
 
@@ -519,22 +453,22 @@ class KarhunenLoeve:
     """
 
     def __init__(self, kernel, correlation, size, *, modes=None, captured=None, smoothness=None):
-        _word("kernel", kernel, ["exponential", "gaussian", "matern"])
+        word("kernel", kernel, ["exponential", "gaussian", "matern"])
         if (smoothness is None) == (kernel == "matern"):
             raise BlockError(f"smoothness is {smoothness!r} and kernel {kernel!r}: 'matern' takes one from 0.5 to 10, the others none")
-        sides = numpy.atleast_1d(_numbers("size", size))
+        sides = numpy.atleast_1d(numbers("size", size))
         if sides.shape not in [(1,), (2,)]:
             raise BlockError(f"size has the shape {sides.shape}: it is the length of an interval or two sides of a rectangle")
-        correlation = _spread("correlation", correlation, (len(sides),))
+        correlation = spread("correlation", correlation, (len(sides),))
         if (modes is None) == (captured is None):
             raise BlockError("an expansion ends by modes or by captured: give one of both")
-        modes = None if modes is None else _count("modes", modes, 1)
-        captured = None if captured is None else _number("captured", captured)
-        smoothness = 1.5 if smoothness is None else _number("smoothness", smoothness)
+        modes = None if modes is None else count("modes", modes, 1)
+        captured = None if captured is None else number("captured", captured)
+        smoothness = 1.5 if smoothness is None else number("smoothness", smoothness)
         both = [float(correlation[0]), float(correlation[-1])]
         self._of = _steklov.KarhunenLoeve(kernel, smoothness, both, sides.tolist(), modes, captured)
-        self.size = _own(sides)
-        self.eigenvalues = _own(self._of.eigenvalues())
+        self.size = own(sides)
+        self.eigenvalues = own(self._of.eigenvalues())
         self.captured = self._of.captured()
 
     def __len__(self):
@@ -542,7 +476,7 @@ class KarhunenLoeve:
 
     def _points(self, name, points):
         """Points as rows, and the axes they had."""
-        points, d = _numbers(name, points), len(self.size)
+        points, d = numbers(name, points), len(self.size)
         if d == 2 and (points.ndim == 0 or points.shape[-1] != 2):
             raise BlockError(f"{name} has the shape {points.shape}: on a rectangle the last axis has x and y")
         axes = points.shape[:-1] if d == 2 else points.shape
@@ -591,12 +525,12 @@ def cell_basis(young, kind="oscillatory", *, poisson=0.3, size=(1.0, 1.0), plane
     boundary linear. "oscillatory": as coupled, but along each edge (E φ')' = 0. "periodic": bilinear and a periodic part, whose tensor is
     the homogenised one.
     """
-    _word("kind", kind, ["q1", "linear", "coupled", "oscillatory", "periodic"])
-    _word("plane", plane, ["strain", "stress"])
-    young = _numbers("young", young, (None, None))
-    ratios = _numbers("poisson", poisson)
-    ratios = _numbers("poisson", ratios if ratios.ndim else [[ratios]], (1, 1) if not ratios.ndim else young.shape)
-    sides = _numbers("size", size, (2,))
+    word("kind", kind, ["q1", "linear", "coupled", "oscillatory", "periodic"])
+    word("plane", plane, ["strain", "stress"])
+    young = numbers("young", young, (None, None))
+    ratios = numbers("poisson", poisson)
+    ratios = numbers("poisson", ratios if ratios.ndim else [[ratios]], (1, 1) if not ratios.ndim else young.shape)
+    sides = numbers("size", size, (2,))
     values, stiffness, tensor = _steklov.cell_basis(kind, young, ratios, sides.tolist(), plane)
     x, y = (numpy.linspace(0.0, side, n + 1) for side, n in zip(sides, young.shape))
     nodes = numpy.stack(numpy.meshgrid(x, y, indexing="ij"), axis=-1)

@@ -11,20 +11,18 @@ const MOST_EIGENVALUES: usize = 1000;
 /// Largest exponent of a Jacobi weight.
 const EXPONENT: f64 = 50.0;
 
-/// Points, weights and degree of a rule of n points, n a panel for graded ones.
+/// Points, weights and degree of a rule of n points, n a panel for graded ones: with the exponents of a Jacobi weight, the layers, ratio
+/// and end of a graded rule, and the power of a logarithmic one; each kind looks at its own.
 #[pyfunction]
-#[pyo3(signature = (kind, n, alpha, beta, layers, ratio, end, power))]
 pub fn rule<'py>(
     py: Python<'py>,
     kind: &str,
     n: usize,
-    alpha: f64,
-    beta: f64,
-    layers: usize,
-    ratio: f64,
-    end: &str,
+    exponents: [f64; 2],
+    grading: (usize, f64, String),
     power: u32,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, usize)> {
+    let ([alpha, beta], (layers, ratio, end)) = (exponents, grading);
     let by_eigenvalues = matches!(kind, "lobatto" | "jacobi");
     let (least, most) = (if kind == "lobatto" { 2 } else { 1 }, if by_eigenvalues { MOST_EIGENVALUES } else { MOST });
     if !(least..=most).contains(&n) {
@@ -41,7 +39,7 @@ pub fn rule<'py>(
             "gauss" => gauss_legendre(n),
             "lobatto" => gauss_lobatto(n),
             "jacobi" => gauss_jacobi(n, alpha, beta),
-            "graded" => match end {
+            "graded" => match end.as_str() {
                 "left" => graded(&gauss_legendre(n), layers, ratio, End::Left),
                 "right" => graded(&gauss_legendre(n), layers, ratio, End::Right),
                 "both" => graded(&gauss_legendre(n), layers, ratio, End::Both),
