@@ -16,14 +16,13 @@ data is a BlockError that names the place and the remedy.
 """
 
 import math
-from collections.abc import Iterable
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy
 
 from . import _steklov
-from .checks import count, number, numbers, of_kind, own, spread, word
+from .checks import array, count, entries, number, numbers, of_kind, own, spread, word
 from .errors import BlockError, near
 
 __all__ = ["CellBasis", "ContactAnswer", "ContactProblem", "KarhunenLoeve", "Loop", "Mesh", "Operators", "Polygon", "Rule", "Steklov"]
@@ -103,7 +102,7 @@ def _listed(name, loop):
     except (TypeError, ValueError):
         raise BlockError(f"{name} is {loop!r}: it is a blocks.Loop, or corners and sides") from None
     corners = numbers(f"{name}.corners", corners, (None, 2))
-    names = [] if isinstance(sides, str) or not isinstance(sides, Iterable) else list(sides)
+    names = entries(f"{name}.sides", sides, "a name for each edge")
     if len(names) != len(corners) or not all(isinstance(side, str) for side in names):
         raise BlockError(f"{name}.sides is {sides!r}: it lists a name for each of {len(corners)} edges")
     turns = [] if turns is None else numbers(f"{name}.turns", turns, (len(corners),)).tolist()
@@ -122,8 +121,9 @@ class Polygon:
         self._set(_listed("outer", outer), holes)
 
     def _set(self, outer, holes):
-        if isinstance(holes, Loop) or not isinstance(holes, Iterable):
-            raise BlockError(f"holes is a {type(holes).__name__}: list the holes, [loop]")
+        if isinstance(holes, Loop):
+            raise BlockError("holes is a loop: list the holes, [loop]")
+        holes = entries("holes", holes, "loops")
         self._of = _steklov.Polygon(outer, [_listed(f"holes[{k}]", hole) for k, hole in enumerate(holes)])
 
     @classmethod
@@ -181,8 +181,8 @@ class Mesh:
 
     def __init__(self, of, polygon):
         self._of, self.polygon = of, polygon
-        for name, array in of.arrays().items():
-            setattr(self, name, own(array))
+        for name, part in of.arrays().items():
+            setattr(self, name, own(part))
         self.sides = of.sides()
 
     @classmethod
@@ -203,18 +203,19 @@ class Mesh:
         pairs = [(count(f"towards[{k}][0]", int(edge) if edge == int(edge) else edge), s) for k, (edge, s) in enumerate(towards.tolist())]
         if layers > 1000:
             raise BlockError(f"layers is {layers}: beyond 1000 no number holds the smallest element")
-        degrees = [count("degree", degree, 1)] * (layers + 1) if numpy.ndim(degree) == 0 else [count("degree", p, 1) for p in degree]
+        one = array("degree", degree).ndim == 0
+        degrees = [count("degree", degree, 1)] * (layers + 1) if one else [count("degree", p, 1) for p in degree]
         return cls(_steklov.Mesh.graded(of, pairs, layers, number("ratio", ratio), degrees), polygon)
 
     def _marked(self, marked):
         """Marks from truth values or numbers of elements."""
-        array = numpy.asarray(marked)
-        if array.dtype == bool and array.shape == (len(self),):
-            return array.tolist()
+        given = array("marked", marked)
+        if given.dtype == bool and given.shape == (len(self),):
+            return given.tolist()
         marks = [False] * len(self)
-        if array.dtype == bool or array.ndim != 1 or array.size and array.dtype.kind not in "iu":
-            raise BlockError(f"marked is an array of {array.dtype} of the shape {array.shape}: list elements, or {len(self)} truth values")
-        for element in array.tolist():
+        if given.dtype == bool or given.ndim != 1 or given.size and given.dtype.kind not in "iu":
+            raise BlockError(f"marked is an array of {given.dtype} of the shape {given.shape}: list elements, or {len(self)} truth values")
+        for element in given.tolist():
             if not 0 <= element < len(self):
                 raise BlockError(f"marked has the element {element}: they count from 0 below {len(self)}")
             marks[element] = True
@@ -296,6 +297,8 @@ class Operators:
         log(L/r) with a net force; `bounded_at_infinity` lets them tend to a constant, without a net force.
         """
         word("domain", domain, ["interior", "exterior"])
+        if not isinstance(bounded_at_infinity, (bool, numpy.bool_)):
+            raise BlockError(f"bounded_at_infinity is {bounded_at_infinity!r}: it is True or False")
         bounded = self.mesh.polygon.bounded
         if domain == "exterior" and not bounded:
             raise BlockError("domain is 'exterior' of a plane around holes: that is not one body; take 'interior' for the plane")
@@ -313,10 +316,10 @@ class Steklov:
         self.matrix = own(of.matrix())
 
     def _displacement(self, displacement):
-        array = numbers("displacement", displacement)
-        if array.size != len(self.matrix):
-            raise BlockError(f"displacement has the shape {array.shape}: it has x and y at {len(self.matrix) // 2} nodes")
-        return array.ravel().tolist()
+        given = numbers("displacement", displacement)
+        if given.size != len(self.matrix):
+            raise BlockError(f"displacement has the shape {given.shape}: it has x and y at {len(self.matrix) // 2} nodes")
+        return given.ravel().tolist()
 
     def traction(self, displacement):
         """Legendre coefficients (2 n,) of the traction of a nodal displacement, (2 n,) or (n, 2)."""
@@ -373,7 +376,7 @@ class ContactProblem:
             raise BlockError("stiffness has no rows: a problem has at least one node")
         if count("unknowns", unknowns, 1) > 2 or m % unknowns:
             raise BlockError(f"unknowns is {unknowns}: a node has 1 or 2, and {m} rows of stiffness are whole nodes")
-        node = numpy.arange(m // unknowns) if node is None else numpy.asarray(node)
+        node = numpy.arange(m // unknowns) if node is None else array("node", node)
         if node.ndim != 1 or node.size and node.dtype.kind not in "iu":
             raise BlockError(f"node is an array of {node.dtype} of the shape {node.shape}: it lists the node of each condition")
         k = len(node)

@@ -29,20 +29,20 @@ def count(name, value, least=0):
 def numbers(name, value, shape=None, *, infinite=False):
     """Finite numbers of a shape, an axis of any length being None; a shape of None is any."""
     try:
-        array = numpy.asarray(value)
-        array = numpy.array(array, dtype=float) if array.dtype.kind in "biuf" or not array.size else None
+        found = numpy.asarray(value)
+        found = numpy.array(found, dtype=float) if found.dtype.kind in "biuf" or not found.size else None
     except (TypeError, ValueError):
-        array = None
-    if array is None:
+        found = None
+    if found is None:
         raise BlockError(f"{name} is no array of real numbers: make one by numpy.array, with rows of equal lengths")
-    if shape is not None and not (array.ndim == len(shape) and all(s in (None, n) for s, n in zip(shape, array.shape))):
+    if shape is not None and not (found.ndim == len(shape) and all(s in (None, n) for s, n in zip(shape, found.shape))):
         wanted = ", ".join("any" if s is None else str(s) for s in shape)
-        raise BlockError(f"{name} has the shape {array.shape}: it must be ({wanted})")
-    bad = numpy.argwhere(numpy.isnan(array) if infinite else ~numpy.isfinite(array))
+        raise BlockError(f"{name} has the shape {found.shape}: it must be ({wanted})")
+    bad = numpy.argwhere(numpy.isnan(found) if infinite else ~numpy.isfinite(found))
     if len(bad):
         at, place = tuple(int(i) for i in bad[0]), "".join(f"[{i}]" for i in bad[0])
-        raise BlockError(f"{name}{place} is {array[at]}: it must be {'a number' if infinite else 'finite'}")
-    return array
+        raise BlockError(f"{name}{place} is {found[at]}: it must be {'a number' if infinite else 'finite'}")
+    return found
 
 
 def number(name, value):
@@ -52,18 +52,18 @@ def number(name, value):
 
 def spread(name, value, shape, **how):
     """Numbers of a shape, from fewer where they repeat along the first axes."""
-    array = numbers(name, value, **how)
+    found = numbers(name, value, **how)
     try:
-        return numpy.broadcast_to(array, shape)
+        return numpy.broadcast_to(found, shape)
     except ValueError:
-        raise BlockError(f"{name} has the shape {array.shape}: it must be {shape}, or one for all") from None
+        raise BlockError(f"{name} has the shape {found.shape}: it must be {shape}, or one for all") from None
 
 
-def own(array):
+def own(value):
     """An array that cannot be written."""
-    array = numpy.asarray(array)
-    array.setflags(write=False)
-    return array
+    found = numpy.asarray(value)
+    found.setflags(write=False)
+    return found
 
 
 def of_kind(name, value, kind):
@@ -71,3 +71,19 @@ def of_kind(name, value, kind):
     if not isinstance(value, kind):
         raise BlockError(f"{name} is a {type(value).__name__}: it must be a blocks.{kind.__name__}")
     return value
+
+
+def entries(name, value, what):
+    """The entries of anything but a text; `what` tells what they are."""
+    try:
+        return list(None if isinstance(value, str) else value)
+    except TypeError:
+        raise BlockError(f"{name} is {value!r}: it lists {what}") from None
+
+
+def array(name, value):
+    """An array of any kind."""
+    try:
+        return numpy.asarray(value)
+    except ValueError:
+        raise BlockError(f"{name} is no array: its rows have different lengths") from None

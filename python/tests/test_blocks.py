@@ -1,6 +1,8 @@
 """The building blocks, each judged by an identity or a closed form."""
 
 import math
+import threading
+import time
 
 import numpy
 import pytest
@@ -174,6 +176,25 @@ def test_a_hole_under_pressure_widens_by_its_formula():
     shift = numpy.tile([3.0, -1.0], len(mesh.nodes))
     assert numpy.allclose(exterior.at_infinity(v + shift), [3, -1], rtol=0, atol=1e-9)
     assert abs(exterior.matrix @ shift).max() < 1e-9 * abs(exterior.matrix).max()
+
+
+def test_other_threads_run_while_operators_are_assembled():
+    counted, running = [0], [True]
+
+    def count():
+        while running[0]:
+            counted[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    start = time.perf_counter()
+    blocks.Operators(block(160, 4), YOUNG, POISSON).steklov()
+    seconds, during = time.perf_counter() - start, counted[0]
+    running[0] = False
+    thread.join()
+    # of a thousand a second on an idle machine
+    assert during > 50 * seconds, (during, seconds)
 
 
 # contact
@@ -398,7 +419,7 @@ def kl(kernel="exponential", correlation=0.5, size=1.0, **more):
     # boundaries
     (lambda: blocks.Polygon([[0, 0], [1, 0]], ["a", "b"]), "2 corners"),
     (lambda: blocks.Polygon(SQUARE[0], ["a"]), "a name for each of 4 edges"),
-    (lambda: blocks.Polygon(SQUARE[0], "abcd"), "a name for each of 4 edges"),
+    (lambda: blocks.Polygon(SQUARE[0], "abcd"), "lists a name for each edge"),
     (lambda: blocks.Polygon([[0, 0, 0]], ["a"]), r"shape \(1, 3\): it must be \(any, 2\)"),
     (lambda: blocks.Polygon([[0, 0], [1, NAN], [1, 1]], ["a"] * 3), r"outer.corners\[1\]\[1\] is nan"),
     (lambda: blocks.Polygon([[0, 0], [1], [1, 1]], ["a"] * 3), "rows of equal lengths"),
@@ -410,7 +431,7 @@ def kl(kernel="exponential", correlation=0.5, size=1.0, **more):
     (lambda: blocks.Polygon(*SQUARE, turns=[0, 0]), r"outer.turns has the shape \(2,\)"),
     (lambda: blocks.Polygon.outside([]), "at least one"),
     (lambda: blocks.Polygon(numpy.array(SQUARE[0]) * 1e-150, SQUARE[1]), "the diameter is 2.2"),
-    (lambda: blocks.Polygon(*SQUARE, 7), "list the holes"),
+    (lambda: blocks.Polygon(*SQUARE, 7), "holes is 7: it lists loops"),
     (lambda: blocks.Polygon(numpy.ones((60000, 2)), ["a"] * 60000), "60000 corners"),
     (lambda: blocks.circle([0, 0], -1, "rim"), "radius is -1"),
     (lambda: block(0), "elements is 0: it is at least 1"),
@@ -423,6 +444,7 @@ def kl(kernel="exponential", correlation=0.5, size=1.0, **more):
     (lambda: block().halved([10]), "they count from 0 below 10"),
     (lambda: block().halved([True] * 3), "10 truth values"),
     (lambda: block().raised([0.5]), "list elements"),
+    (lambda: block().raised([[0], [1, 2]]), "different lengths"),
     (lambda: blocks.Mesh.graded(blocks.Polygon(*SQUARE), [(9, 0)], 3), "not on the boundary"),
     (lambda: blocks.Mesh.graded(blocks.Polygon(*SQUARE), [(0.5, 0)], 3), "whole number"),
     (lambda: blocks.Mesh.graded(blocks.Polygon(*SQUARE), [(0, 0)], 3, degree=[1, 2]), "one more"),

@@ -21,11 +21,13 @@ fn the_python_package_gives_what_the_command_gives() {
     let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
     std::fs::copy(folder.join("lib_steklov.so"), package.join("_steklov.abi3.so")).unwrap();
     let python = std::env::var_os("STEKLOV_PYTHON").unwrap_or_else(|| root.join("target/python/bin/python").into());
-    let tests = root.join("python/tests/test_steklov.py");
-    let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--doctest-modules", "steklov/__init__.py"];
+    let tests = ["test_steklov.py", "test_blocks.py"].map(|name| root.join("python/tests").join(name));
+    let modules = ["steklov/__init__.py", "steklov/blocks.py"];
+    let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--doctest-modules"];
     let ran = Command::new(python)
         .args(arguments)
-        .arg(tests)
+        .args(modules)
+        .args(tests)
         .current_dir(place.path(""))
         .env("PYTHONPATH", place.path(""))
         .env("PYTHONDONTWRITEBYTECODE", "1")
