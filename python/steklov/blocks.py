@@ -358,12 +358,14 @@ class ContactProblem:
     S v + B^T λ = f,   u_n = normal · v_i <= gap,   λ_n >= 0,   λ_n (gap - u_n) = 0,
     u_t = tangent · v_i + slip,   |λ_t| <= F = bound + coefficient λ_n,   λ_t u_t = F |u_t|
 
-    `stiffness` S (m, m) symmetric and positive semi-definite, `load` f (m,). Every node has the unknowns 2 i, 2 i + 1, or a single one if
-    `unknowns=1`. Each of k conditions is at the node `node[k]`, rising; by default one at each node. The others are (k,) or one for all:
+    `stiffness` S (m, m) symmetric and positive semi-definite, `load` f (m,). Every node has two unknowns, those of
+    node i being 2 i and 2 i + 1, or a single one if `unknowns=1`; a list of 1 and 2 has as many at each node. Each of k conditions is at
+    the node `node[k]`, rising; by default one at each node. The others are (k,) or one for all:
     `gap` and `slip` (length), `weight` = ∫ of the node's function (length), `tangent_weight`, by default the same, `bound` of Tresca's law
     (stress, infinite for full stick) and `coefficient` of Coulomb's. `normal` (k, 2) is (1, 0) and `tangent` that turned by 90° unless
-    given. The force of a condition on its node is -weight λ_n normal - tangent_weight λ_t tangent. A node of one unknown has the normal 1
-    or -1 (k,) and no friction; a node of two has up to two conditions.
+    given. The force of a condition on its node is -weight λ_n normal - tangent_weight λ_t tangent. Where all nodes have one unknown,
+    normals are 1 or -1 (k,) and there is no friction; beside nodes of two, those of one have directions (±1, 0), and no tangent unless it
+    is given. A node of two unknowns has up to two conditions.
     """
 
     def __init__(self, stiffness, load, gap, *, node=None, weight=1.0, tangent_weight=None, normal=None, tangent=None, slip=0.0, bound=0.0,
@@ -374,31 +376,42 @@ class ContactProblem:
         load = numbers("load", load, (m,))
         if m == 0:
             raise BlockError("stiffness has no rows: a problem has at least one node")
-        if count("unknowns", unknowns, 1) > 2 or m % unknowns:
-            raise BlockError(f"unknowns is {unknowns}: a node has 1 or 2, and {m} rows of stiffness are whole nodes")
-        node = numpy.arange(m // unknowns) if node is None else array("node", node)
+        each = self._unknowns(unknowns, m)
+        node = numpy.arange(len(each)) if node is None else array("node", node)
         if node.ndim != 1 or node.size and node.dtype.kind not in "iu":
             raise BlockError(f"node is an array of {node.dtype} of the shape {node.shape}: it lists the node of each condition")
-        k = len(node)
-        node = [count(f"node[{i}]", n) for i, n in enumerate(node.tolist())]
-        rows = numpy.empty((k, 10))
-        rows[:, 6:] = numpy.stack([
-            spread("gap", gap, (k,)), spread("slip", slip, (k,)), spread("bound", bound, (k,), infinite=True),
-            spread("coefficient", coefficient, (k,)),
-        ], axis=1)
+        node, k = [count(f"node[{i}]", n) for i, n in enumerate(node.tolist())], len(node)
+        if max(node, default=0) >= len(each):
+            raise BlockError(f"node has {max(node)}: nodes count from 0 below {len(each)}")
+        # conditions at nodes of one unknown
+        single = each[node] == 1
+        rows = numpy.zeros((k, 10))
         rows[:, 4] = spread("weight", weight, (k,))
-        if unknowns == 1:
+        rows[:, 6], rows[:, 7] = spread("gap", gap, (k,)), spread("slip", slip, (k,))
+        rows[:, 8], rows[:, 9] = spread("bound", bound, (k,), infinite=True), spread("coefficient", coefficient, (k,))
+        if each.max() == 1:
             if tangent is not None or tangent_weight is not None or rows[:, 7:].any():
                 raise BlockError("nodes of one unknown have no tangent: leave out tangent, tangent_weight, slip, bound and coefficient")
-            rows[:, :4], rows[:, 5] = 0.0, 0.0
             rows[:, 0] = spread("normal", 1.0 if normal is None else normal, (k,))
         else:
             rows[:, :2] = spread("normal", [1.0, 0.0] if normal is None else normal, (k, 2))
-            turned = numpy.stack([-rows[:, 1], rows[:, 0]], axis=1)
+            turned = numpy.where(single, 0.0, [-rows[:, 1], rows[:, 0]]).T
             rows[:, 2:4] = turned if tangent is None else spread("tangent", tangent, (k, 2))
-            rows[:, 5] = rows[:, 4] if tangent_weight is None else spread("tangent_weight", tangent_weight, (k,))
-        self._of = _steklov.ContactProblem(stiffness, load.tolist(), unknowns, node, rows)
+            same = numpy.where(single, 0.0, rows[:, 4])
+            rows[:, 5] = same if tangent_weight is None else spread("tangent_weight", tangent_weight, (k,))
+        self._of = _steklov.ContactProblem(stiffness, load.tolist(), each.tolist(), node, rows)
         self._sizes = m, k
+
+    @staticmethod
+    def _unknowns(unknowns, m):
+        """The number of unknowns of each node."""
+        given = array("unknowns", unknowns)
+        if given.ndim == 0:
+            one = count("unknowns", unknowns, 1)
+            given = numpy.full(max(m // one, 1), one)
+        if given.ndim != 1 or given.dtype.kind not in "iu" or not numpy.isin(given, [1, 2]).all() or given.sum() != m:
+            raise BlockError(f"unknowns is {unknowns!r}: a node has 1 or 2, one number for all or one for each, together {m}")
+        return given
 
     def _state(self, displacement, multipliers):
         m, k = self._sizes

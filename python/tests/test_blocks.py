@@ -251,6 +251,15 @@ def test_friction_and_full_stick():
     assert numpy.allclose(slip.displacement, [1, 0.25], rtol=0, atol=1e-12) and slip.status.tolist() == [2]
     stick = blocks.ContactProblem(**spring, bound=math.inf).solve()
     assert numpy.allclose(stick.displacement, [1, 0], rtol=0, atol=1e-12) and numpy.allclose(stick.multipliers, [[2, 1.5]])
+    # beside a node with one unknown, which is without friction
+    both = blocks.ContactProblem(4 * numpy.eye(3), [6, 6, 1.5], 1, unknowns=[1, 2], bound=0.5).solve()
+    assert numpy.allclose(both.displacement, [1, 1, 0.25], rtol=0, atol=1e-12)
+    assert numpy.allclose(both.multipliers, [[2, 0], [2, 0.5]], rtol=0, atol=1e-12)
+    # held along its normal, a node has friction alone
+    rubbed = blocks.ContactProblem(
+        4 * numpy.eye(3), [6, 1.5, 1.5], 1, unknowns=[2, 1], weight=[1, 0], tangent=[[0, 1], [1, 0]], tangent_weight=[1, 1], bound=0.5
+    ).solve()
+    assert numpy.allclose(rubbed.displacement, [1, 0.25, 0.25], rtol=0, atol=1e-12)
     # a corner: walls at 1 along x and at 2 along y
     corner = blocks.ContactProblem(4 * numpy.eye(2), [6, 12], [1, 2], node=[0, 0], normal=[[1, 0], [0, 1]]).solve()
     assert numpy.allclose(corner.displacement, [1, 2], rtol=0, atol=1e-12)
@@ -469,7 +478,7 @@ def kl(kernel="exponential", correlation=0.5, size=1.0, **more):
     (lambda: contact(stiffness=[[1, 2], [0, 1]]), "not symmetric"),
     (lambda: contact(stiffness=-numpy.eye(2)), "diagonal entry"),
     (lambda: contact(stiffness=numpy.zeros((0, 0)), load=[]), "at least one node"),
-    (lambda: contact(stiffness=numpy.eye(3), load=[1, 2, 3]), "whole nodes"),
+    (lambda: contact(stiffness=numpy.eye(3), load=[1, 2, 3]), "a node has 1 or 2, one number for all or one for each, together 3"),
     (lambda: contact(load=[1, INF]), r"load\[1\] is inf"),
     (lambda: contact(load=[1]), r"load has the shape \(1,\)"),
     (lambda: contact(gap=[1, 2]), r"gap has the shape \(2,\): it must be \(1,\), or one for all"),
@@ -479,12 +488,15 @@ def kl(kernel="exponential", correlation=0.5, size=1.0, **more):
     (lambda: contact(weight=-1), "a weight is -1"),
     (lambda: contact(coefficient=-1), "coefficient is -1"),
     (lambda: contact(normal=[0, 0]), "direction"),
-    (lambda: contact(node=[1]), r"node\[0\] is 1"),
+    (lambda: contact(node=[1]), r"node has 1: nodes count from 0 below 1"),
     (lambda: contact(node=[-1]), r"node\[0\] is -1"),
     (lambda: contact(node=[0, 0]), "parallel"),
     (lambda: contact(node=[0, 0, 0]), "3 conditions"),
     (lambda: contact(node=[0.5]), "lists the node of each condition"),
     (lambda: contact(unknowns=3), "unknowns is 3"),
+    (lambda: contact(unknowns=[1]), "together 2"),
+    (lambda: contact(unknowns=[2.0]), "together 2"),
+    (lambda: contact(unknowns=[1, 1], normal=[0, 1]), "direction"),
     (lambda: contact(unknowns=1, bound=1), "no tangent"),
     (lambda: contact().solve("newtno"), "did you mean 'newton'"),
     (lambda: contact().solve("uzawa", step=-1), "step is -1"),

@@ -17,27 +17,32 @@ pub struct ContactProblem(Problem);
 
 #[pymethods]
 impl ContactProblem {
-    /// All nodes have as many unknowns, 1 or 2. Condition k belongs to node `node[k]`, rising, and has a row of `conditions`:
+    /// Node i has `unknowns[i]` of them, 1 or 2. Condition k belongs to node `node[k]`, rising, and has a row of `conditions`:
     /// normal (2), tangent (2), weights (2), gap, offset of the slip, bound, coefficient.
     #[new]
     fn new(
         py: Python<'_>,
         stiffness: PyReadonlyArray2<'_, f64>,
         load: Vec<f64>,
-        unknowns: usize,
+        unknowns: Vec<usize>,
         node: Vec<usize>,
         conditions: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<Self> {
         let (stiffness, rows) = (stiffness.as_array(), conditions.as_array());
         let (m, columns) = stiffness.dim();
-        if m == 0 || !(1..=2).contains(&unknowns) || m % unknowns != 0 {
-            return Err(wrong(py, format!("{m} unknowns are no whole nodes of {unknowns}: a node has 1 or 2")));
+        let all = unknowns.iter().try_fold(0usize, |sum, &n| (1..=2).contains(&n).then_some(sum + n));
+        if m == 0 || all != Some(m) {
+            return Err(wrong(py, format!("unknowns are not those of {m} rows: each node has 1 or 2, together {m}")));
         }
         if rows.dim() != (node.len(), 10) {
             return Err(wrong(py, format!("{:?} numbers of {} conditions: each has 10", rows.dim(), node.len())));
         }
-        let mut nodes: Vec<ContactNode> =
-            (0..m / unknowns).map(|i| ContactNode { first: i * unknowns, unknowns, conditions: vec![] }).collect();
+        let mut first = 0;
+        let mut own = |unknowns: usize| {
+            first += unknowns;
+            ContactNode { first: first - unknowns, unknowns, conditions: vec![] }
+        };
+        let mut nodes: Vec<ContactNode> = unknowns.into_iter().map(&mut own).collect();
         for (k, &i) in node.iter().enumerate() {
             if i >= nodes.len() || k > 0 && i < node[k - 1] {
                 let what = format!("node[{k}] is {i}: nodes count from 0 below {} and rise", nodes.len());
