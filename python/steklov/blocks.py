@@ -531,7 +531,7 @@ class CellBasis(NamedTuple):
     tensor: numpy.ndarray
 
 
-def cell_basis(young, kind="oscillatory", *, poisson=0.3, size=(1.0, 1.0), plane="strain"):
+def cell_basis(young, kind="oscillatory", *, poisson=0.3, size=(1.0, 1.0), plane="strain", layers=None):
     """The multiscale basis of one coarse cell: functions with div σ = 0 on its fine cells, that are the bilinear ones at the corners.
 
     `young` (m, n): Young's modulus of fine cell [i, j], i along x, j along y; `poisson`: one ratio, or (m, n); `size`: the sides of the
@@ -539,15 +539,19 @@ def cell_basis(young, kind="oscillatory", *, poisson=0.3, size=(1.0, 1.0), plane
 
     "q1": the bilinear functions themselves. "linear": those on the boundary, one component alone. "coupled": both components, the
     boundary linear. "oscillatory": as coupled, but along each edge (E φ')' = 0. "periodic": bilinear and a periodic part, whose tensor is
-    the homogenised one.
+    the homogenised one. "oversampled": coupled on the cell and `layers` of fine cells around it, whose moduli `young` has as well:
+    (m + 2 layers, n + 2 layers).
     """
-    word("kind", kind, ["q1", "linear", "coupled", "oscillatory", "periodic"])
+    word("kind", kind, ["q1", "linear", "coupled", "oscillatory", "periodic", "oversampled"])
+    if (layers is None) == (kind == "oversampled"):
+        raise BlockError(f"layers is {layers!r} and kind {kind!r}: 'oversampled' takes 1 or more, the others none")
+    around = 0 if layers is None else count("layers", layers, 1)
     word("plane", plane, ["strain", "stress"])
     young = numbers("young", young, (None, None))
     ratios = numbers("poisson", poisson)
     ratios = numbers("poisson", ratios if ratios.ndim else [[ratios]], (1, 1) if not ratios.ndim else young.shape)
     sides = numbers("size", size, (2,))
-    values, stiffness, tensor = _steklov.cell_basis(kind, young, ratios, sides.tolist(), plane)
-    x, y = (numpy.linspace(0.0, side, n + 1) for side, n in zip(sides, young.shape))
+    values, stiffness, tensor = _steklov.cell_basis(kind, young, ratios, sides.tolist(), plane, around)
+    x, y = (numpy.linspace(0.0, side, n + 1) for side, n in zip(sides, numpy.subtract(young.shape, 2 * around)))
     nodes = numpy.stack(numpy.meshgrid(x, y, indexing="ij"), axis=-1)
     return CellBasis(nodes, numpy.ascontiguousarray(values.transpose(1, 0, 2, 3, 4)), stiffness, tensor)

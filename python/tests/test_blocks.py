@@ -350,10 +350,13 @@ def test_an_expansion_ends_at_a_share():
 # multiscale bases
 
 
-@pytest.mark.parametrize("kind", ["q1", "linear", "coupled", "oscillatory", "periodic"])
+KINDS = {"q1": {}, "linear": {}, "coupled": {}, "oscillatory": {}, "periodic": {}, "oversampled": {"layers": 1}}
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_bases_are_partitions_of_unity(kind):
-    young = numpy.where(numpy.random.default_rng(1).random((6, 4)) < 0.4, 50.0, 1.0)
-    basis = blocks.cell_basis(young, kind, size=(3.0, 1.0))
+    young = numpy.where(numpy.random.default_rng(1).random((8, 6) if kind == "oversampled" else (6, 4)) < 0.4, 50.0, 1.0)
+    basis = blocks.cell_basis(young, kind, size=(3.0, 1.0), **KINDS[kind])
     assert basis.values.shape == (7, 5, 2, 4, 2) and numpy.array_equal(basis.nodes[-1, 0], [3, 0])
     assert abs(basis.values.sum(axis=3) - numpy.eye(2)).max() < 1e-12
     corners = basis.values[[0, -1, -1, 0], [0, 0, -1, -1]]
@@ -363,9 +366,9 @@ def test_bases_are_partitions_of_unity(kind):
     assert numpy.allclose(basis.stiffness, basis.stiffness.T, rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize("kind", ["q1", "linear", "coupled", "oscillatory", "periodic"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_bases_of_a_homogeneous_cell_have_linear_functions(kind):
-    basis = blocks.cell_basis(numpy.full((5, 3), YOUNG), kind, size=(2.0, 1.0), poisson=POISSON)
+    basis = blocks.cell_basis(numpy.full((7, 5), YOUNG), kind, size=(2.0, 1.0), poisson=POISSON, **KINDS[kind])
     gradient = numpy.array([[0.3, -0.2], [0.7, 0.1]])
     at = numpy.array([[0, 0], [2, 0], [2, 1], [0, 1]]) @ gradient.T
     field = numpy.einsum("abipk,pk->abi", basis.values, at)
@@ -374,7 +377,7 @@ def test_bases_of_a_homogeneous_cell_have_linear_functions(kind):
         exact = [[LAMBDA + 2 * MU, LAMBDA, 0], [LAMBDA, LAMBDA + 2 * MU, 0], [0, 0, MU]]
         assert numpy.allclose(basis.tensor, exact, rtol=0, atol=1e-10 * YOUNG)
     # the modulus itself does not matter
-    softer = blocks.cell_basis(numpy.ones((5, 3)), kind, size=(2.0, 1.0), poisson=POISSON)
+    softer = blocks.cell_basis(numpy.ones((7, 5)), kind, size=(2.0, 1.0), poisson=POISSON, **KINDS[kind])
     assert abs(basis.values - softer.values).max() < 1e-12 and abs(basis.stiffness / YOUNG - softer.stiffness).max() < 1e-12
 
 
@@ -390,6 +393,17 @@ def test_a_laminate_has_its_homogenised_moduli():
     assert numpy.allclose(lower, 1 - numpy.array([0, 9, 18, 27, 28, 29, 30]) / 30, rtol=0, atol=1e-14)
     two = blocks.cell_basis(numpy.ones((2, 2)), "periodic", poisson=[[0.0, 0.3], [0.3, 0.0]]).tensor
     assert two[0, 1] > 0.01
+
+
+def test_what_lies_around_a_cell_changes_its_oversampled_basis():
+    soft = numpy.ones((8, 8))
+    stiff = soft.copy()
+    stiff[0, 0] = 100.0
+    bases = [blocks.cell_basis(young, "oversampled", layers=2) for young in (soft, stiff)]
+    assert bases[0].values.shape == (5, 5, 2, 4, 2) and abs(bases[0].values - bases[1].values).max() > 1e-3
+    # nine times the same cell is not the cell alone
+    alone = blocks.cell_basis(soft[:4, :4], "coupled")
+    assert abs(bases[0].tensor - alone.tensor).max() < 1e-12 and abs(bases[0].values - alone.values).max() > 1e-3
 
 
 # what is wrong
@@ -537,6 +551,9 @@ def kl(kernel="exponential", correlation=0.5, size=1.0, **more):
     (lambda: blocks.cell_basis([[1]], poisson=0.5), "between -1 and 1/2"),
     (lambda: blocks.cell_basis(numpy.ones((2, 2)), poisson=[0.1, 0.2]), r"poisson has the shape \(2,\)"),
     (lambda: blocks.cell_basis([[1]], size=(0, 1)), "must be positive"),
+    (lambda: blocks.cell_basis([[1]], "coupled", layers=1), "the others none"),
+    (lambda: blocks.cell_basis(numpy.ones((4, 4)), "oversampled", layers=2), "2 of them around"),
+    (lambda: blocks.cell_basis(numpy.ones((4, 4)), "oversampled"), "takes 1 or more"),
     (lambda: blocks.cell_basis([[1]], plane="stres"), "did you mean 'stress'"),
 ])
 def test_what_is_wrong_is_named_with_a_remedy(make, told):
