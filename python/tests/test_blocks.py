@@ -423,7 +423,7 @@ def kl(kernel="exponential", correlation=0.5, size=1.0, **more):
 
 @pytest.mark.parametrize("make, told", [
     # rules
-    (lambda: blocks.rule("gaus", 3), "did you mean 'gauss'"),
+    (lambda: blocks.rule("gausss", 3), "did you mean 'gauss'"),
     (lambda: blocks.rule(3, 3), "kind is 3: it is one of"),
     (lambda: blocks.rule("gauss", 0), "n is 0"),
     (lambda: blocks.rule("gauss", -1), "n is -1"),
@@ -433,7 +433,7 @@ def kl(kernel="exponential", correlation=0.5, size=1.0, **more):
     (lambda: blocks.rule("lobatto", 1), "takes 2 to 1000 points"),
     (lambda: blocks.rule("jacobi", 3, alpha=-1), "alpha is -1"),
     (lambda: blocks.rule("jacobi", 3, beta=NAN), "beta is nan: it must be finite"),
-    (lambda: blocks.rule("jacobi", 3, alpah=1), "did you mean 'alpha'"),
+    (lambda: blocks.rule("jacobi", 3, alpa=1), "did you mean 'alpha'"),
     (lambda: blocks.rule("gauss", 3, alpha=1), "takes n alone"),
     (lambda: blocks.rule("graded", 3, ratio=1), "ratio is 1"),
     (lambda: blocks.rule("graded", 3, layers=10**6), "take fewer layers"),
@@ -523,7 +523,7 @@ def kl(kernel="exponential", correlation=0.5, size=1.0, **more):
     (lambda: contact(stiffness=numpy.diag([1.0, 0.0])).solve("uzawa"), "positive definite"),
     (lambda: blocks.ContactProblem(numpy.eye(4), [1] * 4, 0).contraction(contact().solve()), "another problem"),
     # random fields
-    (lambda: kl("exponentiel"), "did you mean 'exponential'"),
+    (lambda: kl("exponentil"), "did you mean 'exponential'"),
     (lambda: kl(correlation=0), "correlation length is 0"),
     (lambda: kl(correlation=[1, 2]), r"correlation has the shape \(2,\)"),
     (lambda: kl(size=-1), "-1; it must be positive"),
