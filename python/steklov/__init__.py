@@ -14,14 +14,14 @@
 
 import json
 
-from . import _steklov
-from .errors import SceneError, SolveError, SteklovError
+from . import _steklov, blocks
+from .errors import BlockError, SceneError, SolveError, SteklovError
 from .result import Quantities, Result
 from .progress import told_to
 from .scene import settings_of, text_of
 from .sweeps import Sweep, sweep
 
-__all__ = ["Quantities", "Result", "SceneError", "SolveError", "SteklovError", "Sweep", "plan", "solve", "sweep", "text_of"]
+__all__ = ["BlockError", "Quantities", "Result", "SceneError", "SolveError", "SteklovError", "Sweep", "blocks", "plan", "solve", "sweep", "text_of"]
 
 
 def solve(scene, *, progress=None, client=None, **overrides):

@@ -30,3 +30,7 @@ class SceneError(SteklovError):
 
 class SolveError(SteklovError):
     """A solution that failed through no fault of the scene."""
+
+
+class BlockError(SteklovError, ValueError):
+    """Data of which a building block cannot be made; `str(error)` names the place and the remedy."""

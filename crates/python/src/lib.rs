@@ -1,7 +1,8 @@
-//! The extension module of the Python package `steklov`: scenes planned and solved, with the GIL released. What is comfortable about the
-//! package is written in Python, in `python/steklov`.
+//! The extension module of the Python package `steklov`: scenes planned and solved, and the numerics one by one, with the GIL released.
+//! What is comfortable about the package is written in Python, in `python/steklov`.
 
 mod answer;
+mod blocks;
 mod outcomes;
 mod sweep;
 
@@ -208,6 +209,8 @@ mod _steklov {
     use crate::outcomes::{Prepared, prepare};
     #[pymodule_export]
     const TOGETHER: usize = steklov_model::stochastic::TOGETHER;
+    #[pymodule_export]
+    use crate::blocks::{Answer, ContactProblem, KarhunenLoeve, Mesh, Operators, Polygon, Steklov, cell_basis, rule};
     #[pymodule_export]
     use crate::sweep::{Swept, sweep, swept};
 }
