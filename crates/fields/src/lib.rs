@@ -6,8 +6,8 @@
 //!
 //! ```
 //! use steklov_fields::fields;
-//! use steklov_model::prelude::*;
-//! use steklov_unstructured::Grid;
+//! use steklov_fields::steklov_model::prelude::*;
+//! use steklov_fields::steklov_unstructured::Grid;
 //!
 //! // a block on a smooth floor under pressure: σ_yy = -3 everywhere
 //! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
