@@ -47,6 +47,11 @@ fn kind(ops: &[Op]) -> Kind {
                     *top = Kind::Other;
                 }
             }
+            Op::Profile(_) | Op::Call(_) => {
+                if let Some(top) = stack.last_mut().filter(|top| **top != Kind::Free) {
+                    *top = Kind::Other;
+                }
+            }
             Op::Two(function) => {
                 if let (Some(b), Some(a)) = (stack.pop(), stack.last_mut()) {
                     *a = both(function, *a, b);
@@ -91,7 +96,14 @@ fn plane(ops: &[Op]) -> Option<Plane> {
                 let (b, a) = (stack.pop()?, stack.pop()?);
                 stack.push(joined(function, a, b)?);
             }
-            Op::S | Op::Field(_) | Op::Name(_) | Op::One(_) | Op::Branch { .. } | Op::Jump(_) => return None,
+            Op::S
+            | Op::Field(_)
+            | Op::Name(_)
+            | Op::One(_)
+            | Op::Call(_)
+            | Op::Profile(_)
+            | Op::Branch { .. }
+            | Op::Jump(_) => return None,
         }
     }
     stack.pop()

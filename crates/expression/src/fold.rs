@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::operation::{One, Two};
 use super::tape::Op;
-use super::{FieldValue, Switch};
+use super::{FieldValue, Profile, Switch};
 
 /// What a name stands for.
 #[derive(Debug, Clone)]
@@ -14,6 +14,8 @@ pub enum Value {
     Constant(f64),
     /// A random field.
     Field(Arc<FieldValue>),
+    /// A piecewise linear function of one value.
+    Profile(Arc<Profile>),
     /// Any value: [`Expression::range`](super::Expression::range) is given its range, by this index, and
     /// [`Expression::eval`](super::Expression::eval) is NaN where it counts.
     Free(usize),
@@ -25,6 +27,7 @@ pub(super) struct Folded {
     pub(super) ops: Vec<Op>,
     pub(super) switches: Vec<Switch>,
     pub(super) fields: Vec<Arc<FieldValue>>,
+    pub(super) profiles: Vec<Arc<Profile>>,
 }
 
 struct Folder<'a> {
@@ -49,6 +52,7 @@ impl Folder<'_> {
         while next < part.end {
             match self.read[next] {
                 Op::One(function) => self.one(function, self.starts[self.starts.len() - 1]),
+                Op::Call(name) => self.call(name, self.starts[self.starts.len() - 1]),
                 Op::Two(function) => {
                     let right = self.starts.pop().unwrap_or_default();
                     self.two(function, self.starts[self.starts.len() - 1], right);
@@ -72,6 +76,7 @@ impl Folder<'_> {
                     self.out.fields.push(field.clone());
                     Op::Field(self.out.fields.len() - 1)
                 }
+                Value::Profile(_) => Op::Constant(f64::NAN),
             },
             other => other,
         };
@@ -95,7 +100,7 @@ impl Folder<'_> {
         let compared = matches!(condition.last(), Some(Op::Two(two)) if two.is_comparison())
             && !condition.iter().any(|op| matches!(op, Op::Branch { .. }));
         if !compared {
-            self.out.switches.push(Switch { left: start..self.out.ops.len(), right: None });
+            self.out.switches.push(Switch { left: start..self.out.ops.len(), right: None, profile: None });
         }
         let branch = self.out.ops.len();
         self.out.ops.push(Op::Branch { otherwise: 0, end: 0 });
@@ -124,9 +129,27 @@ impl Folder<'_> {
             return;
         }
         if matches!(function, One::Abs | One::Sign | One::Sqrt) {
-            self.out.switches.push(Switch { left: start..self.out.ops.len(), right: None });
+            self.out.switches.push(Switch { left: start..self.out.ops.len(), right: None, profile: None });
         }
         self.out.ops.push(Op::One(function));
+    }
+
+    /// Applies the function that a name stands for to the operand that starts at `start`.
+    fn call(&mut self, name: usize, start: usize) {
+        let Value::Profile(profile) = &self.values[name] else {
+            self.out.ops.truncate(start);
+            return self.out.ops.push(Op::Constant(f64::NAN));
+        };
+        if let Some(value) = self.constant(start) {
+            self.out.ops[start] = Op::Constant(profile.value(value));
+            return;
+        }
+        let index = self.out.profiles.len();
+        self.out.profiles.push(profile.clone());
+        if profile.bends() {
+            self.out.switches.push(Switch { left: start..self.out.ops.len(), right: None, profile: Some(index) });
+        }
+        self.out.ops.push(Op::Profile(index));
     }
 
     /// Applies a function to the operands that start at `left` and at `right`.
@@ -143,8 +166,8 @@ impl Folder<'_> {
             // A whole power is smooth, or has a pole; any other has a branch point where its base is 0.
             Two::Power if exponent.is_some_and(|b| b.fract() == 0.0) => None,
             // atan2(y, x) jumps across y = 0, x < 0.
-            Two::Power | Two::Atan2 => Some(Switch { left: left..right, right: None }),
-            _ => Some(Switch { left: left..right, right: Some(right..end) }),
+            Two::Power | Two::Atan2 => Some(Switch { left: left..right, right: None, profile: None }),
+            _ => Some(Switch { left: left..right, right: Some(right..end), profile: None }),
         };
         self.out
             .switches

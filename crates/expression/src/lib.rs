@@ -17,6 +17,7 @@ mod tape;
 mod foreign;
 mod parse;
 mod fold;
+mod profile;
 mod interval;
 mod affine;
 mod range;
@@ -37,6 +38,7 @@ pub use field::{FieldValue, NoChain, RandomField, Support};
 pub use fold::Value;
 pub use interval::Interval;
 pub use parse::nearest;
+pub use profile::{MOST_KNOTS, Profile, ProfileError};
 pub use range::{Enclosed, Leaves, Range as Enclosure, Track, enclose, leaves};
 pub use survey::{Piece, Survey, Turn};
 use tape::Op;
@@ -64,11 +66,13 @@ pub struct Place {
     pub end: usize,
 }
 
-/// Where an expression has a kink or a jump: the zeros of an operand, or of the difference of two.
+/// Where an expression has a kink or a jump: the zeros of an operand, or of the difference of two, or where an operand is a knot of a
+/// profile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Switch {
     left: Range<usize>,
     right: Option<Range<usize>>,
+    profile: Option<usize>,
 }
 
 /// A function of the point (x, y) and of the edge parameter s.
@@ -97,6 +101,7 @@ struct Code {
     height: usize,
     switches: Vec<Switch>,
     fields: Vec<Arc<FieldValue>>,
+    profiles: Vec<Arc<Profile>>,
     known: along::Known,
 }
 
@@ -110,6 +115,20 @@ impl Expression {
         Self::with_fields(text, constants, &BTreeMap::new())
     }
 
+    /// Reads `text`, in which profiles may be used as functions of one value: `rough(x)`.
+    ///
+    /// # Errors
+    /// As [`Expression::parse`].
+    pub fn with_profiles(
+        text: &str,
+        constants: &BTreeMap<String, f64>,
+        fields: &BTreeMap<String, Arc<FieldValue>>,
+        profiles: &BTreeMap<String, Arc<Profile>>,
+    ) -> Result<Self, ExpressionError> {
+        let parse::Parsed { ops, names, values } = parse::parse(text, constants, fields, profiles)?;
+        Ok(Self::of(Arc::new(Read { text: text.to_owned(), ops, names }), values, Place::default()))
+    }
+
     /// Reads `text`, in which random fields may be used as well.
     ///
     /// # Errors
@@ -119,14 +138,13 @@ impl Expression {
         constants: &BTreeMap<String, f64>,
         fields: &BTreeMap<String, Arc<FieldValue>>,
     ) -> Result<Self, ExpressionError> {
-        let parse::Parsed { ops, names, values } = parse::parse(text, constants, fields)?;
-        Ok(Self::of(Arc::new(Read { text: text.to_owned(), ops, names }), values, Place::default()))
+        Self::with_profiles(text, constants, fields, &BTreeMap::new())
     }
 
     fn of(read: Arc<Read>, values: Vec<Value>, place: Place) -> Self {
-        let fold::Folded { ops, switches, fields } = fold::fold(&read.ops, &values);
+        let fold::Folded { ops, switches, fields, profiles } = fold::fold(&read.ops, &values);
         let (height, known) = (tape::height(&ops), along::Known::default());
-        Self { code: Arc::new(Code { read, values, ops, height, switches, fields, known }), place }
+        Self { code: Arc::new(Code { read, values, ops, height, switches, fields, profiles, known }), place }
     }
 
     /// The expression with these values of names, and with its own values of the others, as if its text were read with them.
@@ -148,7 +166,7 @@ impl Expression {
     /// Value at (x, y, s); NaN or infinite where the expression has no finite value. The branch of an `if` that is not
     /// taken is not evaluated; a comparison, `min` or `max` of NaN is NaN.
     pub fn eval(&self, x: f64, y: f64, s: f64) -> f64 {
-        tape::run(&self.code.ops, &self.code.fields, self.code.height, (x, y, s))
+        self.run_part(0..self.code.ops.len(), (x, y, s))
     }
 
     /// The text as it was written.
@@ -186,17 +204,25 @@ impl Expression {
 
     /// The parts whose change of sign makes a kink or a jump: the arguments of `abs`, `sign` and `sqrt`, the difference
     /// of the operands of `min`, `max` and comparisons, other conditions of `if`, the base of a power that is not whole,
-    /// the first argument of `atan2`. Parts that are constant are not counted.
+    /// the first argument of `atan2`, and the knots of profiles. Parts that are constant are not counted.
     pub fn switches(&self) -> &[Switch] {
         &self.code.switches
     }
 
     /// Value of a switch at (x, y, s).
     pub fn switch_value(&self, switch: &Switch, x: f64, y: f64, s: f64) -> f64 {
-        let value = |range: &Range<usize>| {
-            tape::run(&self.code.ops[range.clone()], &self.code.fields, self.code.height, (x, y, s))
-        };
-        value(&switch.left) - switch.right.as_ref().map_or(0.0, value)
+        let value = |range: &Range<usize>| self.run_part(range.clone(), (x, y, s));
+        let left = value(&switch.left);
+        match switch.profile {
+            Some(k) => self.code.profiles[k].bend(left),
+            None => left - switch.right.as_ref().map_or(0.0, value),
+        }
+    }
+
+    /// Value of a part of the tape, an operand.
+    fn run_part(&self, part: Range<usize>, at: (f64, f64, f64)) -> f64 {
+        let Code { ops, fields, profiles, height, .. } = &*self.code;
+        tape::run(&ops[part], (fields, profiles), *height, at)
     }
 }
 

@@ -10,7 +10,7 @@ use super::foreign::translated;
 use super::operation::{One, Two};
 use super::tape::Op;
 use super::token::{Token, next_token};
-use super::{ExpressionError, FieldValue, Value};
+use super::{ExpressionError, FieldValue, Profile, Value};
 
 /// Deepest nesting of parentheses, function calls, signs and powers.
 const DEEPEST: usize = 256;
@@ -41,6 +41,7 @@ struct Parser<'a> {
     text: &'a str,
     constants: &'a BTreeMap<String, f64>,
     fields: &'a BTreeMap<String, Arc<FieldValue>>,
+    profiles: &'a BTreeMap<String, Arc<Profile>>,
     /// The token that comes next, and where it stands.
     token: Token<'a>,
     span: Range<usize>,
@@ -52,17 +53,19 @@ pub(super) fn parse(
     text: &str,
     constants: &BTreeMap<String, f64>,
     fields: &BTreeMap<String, Arc<FieldValue>>,
+    profiles: &BTreeMap<String, Arc<Profile>>,
 ) -> Result<Parsed, ExpressionError> {
-    parsed(text, constants, fields).map_err(|error| translated(text, error))
+    parsed(text, constants, fields, profiles).map_err(|error| translated(text, error))
 }
 
 fn parsed(
     text: &str,
     constants: &BTreeMap<String, f64>,
     fields: &BTreeMap<String, Arc<FieldValue>>,
+    profiles: &BTreeMap<String, Arc<Profile>>,
 ) -> Result<Parsed, ExpressionError> {
     let out = Parsed::default();
-    let mut parser = Parser { text, constants, fields, token: Token::End, span: 0..0, depth: 0, out };
+    let mut parser = Parser { text, constants, fields, profiles, token: Token::End, span: 0..0, depth: 0, out };
     parser.advance()?;
     parser.expression(COMPARISON)?;
     match parser.token {
@@ -192,6 +195,10 @@ impl<'a> Parser<'a> {
                     let message = format!("the function {name} needs its argument in parentheses");
                     return Err(ExpressionError { message, span, help: format!("write {name}(...)") });
                 }
+                (None, None) if self.profiles.contains_key(name) => {
+                    let message = format!("the profile {name} needs its argument in parentheses");
+                    return Err(ExpressionError { message, span, help: format!("write {name}(x) or {name}(s)") });
+                }
                 (None, None) => {
                     let names = self.constants.keys().chain(self.fields.keys()).map(String::as_str);
                     let known = VARIABLES.into_iter().chain(names);
@@ -222,10 +229,19 @@ impl<'a> Parser<'a> {
 
     /// A function call; the next token is its opening parenthesis.
     fn call(&mut self, name: &str, span: Range<usize>) -> Result<(), ExpressionError> {
+        if let (false, Some(profile)) = (FUNCTIONS.contains(&name), self.profiles.get(name)) {
+            let Op::Name(index) = self.known(name, Value::Profile(profile.clone())) else { return Ok(()) };
+            self.advance()?;
+            self.deeper(COMPARISON)?;
+            self.expect(")", &format!("{name} takes one argument"))?;
+            self.out.ops.push(Op::Call(index));
+            return Ok(());
+        }
         if !FUNCTIONS.contains(&name) {
             let known =
                 VARIABLES.contains(&name) || self.constants.contains_key(name) || self.fields.contains_key(name);
-            let help = match nearest(name, FUNCTIONS) {
+            let functions = FUNCTIONS.into_iter().chain(self.profiles.keys().map(String::as_str));
+            let help = match nearest(name, functions) {
                 _ if known => format!("write a product with a star: {name}*(...)"),
                 Some(near) => format!("did you mean {near}?"),
                 None => format!("the functions are {}", FUNCTIONS.join(", ")),

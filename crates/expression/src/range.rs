@@ -150,7 +150,7 @@ impl Expression {
 
     fn ops_of(&self, switch: Option<&Switch>) -> impl Iterator<Item = &Op> {
         let (first, second) = match switch {
-            Some(Switch { left, right }) => (left.clone(), right.clone().unwrap_or(0..0)),
+            Some(Switch { left, right, .. }) => (left.clone(), right.clone().unwrap_or(0..0)),
             None => (0..self.code.ops.len(), 0..0),
         };
         self.code.ops[first].iter().chain(&self.code.ops[second])
@@ -164,9 +164,10 @@ impl Expression {
     /// Enclosures of a switch over a box.
     pub fn switch_range(&self, switch: &Switch, leaves: &Leaves<'_>) -> Range {
         let left = self.run(&self.code.ops[switch.left.clone()], leaves);
-        match &switch.right {
-            Some(right) => left - self.run(&self.code.ops[right.clone()], leaves),
-            None => left,
+        match (&switch.right, switch.profile) {
+            (Some(right), _) => left - self.run(&self.code.ops[right.clone()], leaves),
+            (None, Some(k)) => self.code.profiles[k].bend_range(left),
+            (None, None) => left,
         }
     }
 
@@ -184,6 +185,11 @@ impl Expression {
                 Op::One(function) => {
                     if let Some(top) = stack.last_mut() {
                         *top = top.one(function);
+                    }
+                }
+                Op::Profile(k) => {
+                    if let Some(top) = stack.last_mut() {
+                        *top = self.code.profiles[k].range(*top);
                     }
                 }
                 Op::Two(function) => {
@@ -207,7 +213,8 @@ impl Expression {
                     next += end;
                 }
                 // the jumps are those at the ends of first branches, which are run by themselves
-                Op::Jump(_) => {}
+                // calls are profiles since the values of names are known
+                Op::Jump(_) | Op::Call(_) => {}
             }
             next += 1;
         }
