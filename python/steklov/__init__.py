@@ -12,19 +12,22 @@
 6.0
 """
 
+from __future__ import annotations
+
 import json
+from typing import Any
 
 from . import _steklov, blocks
 from .errors import BlockError, SceneError, SolveError, SteklovError
 from .result import Quantities, Result
-from .progress import told_to
-from .scene import settings_of, text_of
+from .progress import Progress, told_to
+from .scene import Scene, settings_of, text_of
 from .sweeps import Sweep, sweep
 
 __all__ = ["BlockError", "Quantities", "Result", "SceneError", "SolveError", "SteklovError", "Sweep", "blocks", "plan", "solve", "sweep", "text_of"]
 
 
-def solve(scene, *, progress=None, client=None, **overrides):
+def solve(scene: Scene, *, progress: Progress = None, client: Any = None, **overrides: Any) -> Result:
     """Solves a scene: a dictionary, TOML text, or the path of a file.
 
     Keyword arguments change keys of the scene, two underscores standing for a point: `parameters__load=2`, `method__tolerance=1e-5`, or
@@ -45,7 +48,7 @@ def solve(scene, *, progress=None, client=None, **overrides):
         return Result(_steklov.solve(text, name, settings, tell, elsewhere))
 
 
-def plan(scene, **overrides):
+def plan(scene: Scene, **overrides: Any) -> dict[str, Any]:
     """What would be modelled and why, what is left out, and what the first mesh costs, as a dictionary; solves nothing."""
     text, name = text_of(scene)
     return json.loads(_steklov.plan(text, name, settings_of(overrides)))

@@ -316,9 +316,9 @@ class Steklov:
         self.matrix = own(of.matrix())
 
     def _displacement(self, displacement):
-        given = numbers("displacement", displacement)
-        if given.size != len(self.matrix):
-            raise BlockError(f"displacement has the shape {given.shape}: it has x and y at {len(self.matrix) // 2} nodes")
+        given, n = numbers("displacement", displacement), len(self.matrix) // 2
+        if given.shape not in [(2 * n,), (n, 2)]:
+            raise BlockError(f"displacement has the shape {given.shape}: it must be ({2 * n},) or ({n}, 2), x and y of each node")
         return given.ravel().tolist()
 
     def traction(self, displacement):
@@ -334,7 +334,8 @@ _SOLVERS = ["interior-point", "newton", "active-set", "fixed-point", "uzawa"]
 
 
 class ContactAnswer:
-    """What a contact solver found, converged or not.
+    """What a contact solver found, converged or not: `converged` holds if it reached its criterion and the judge finds all conditions
+    fulfilled to 1e-6.
 
     `displacement` (m,), `multipliers` (k, 2): pressure and shear of each condition; `status` (k,): 0 apart, 1 stick, 2 and 3 slip along
     and against the tangent; `iterations`; `converged`; `outcome`: "converged", "iteration limit" or "diverged"; `history`: the solver's
@@ -345,8 +346,8 @@ class ContactAnswer:
         self._of = of
         for name, part in of.parts().items():
             setattr(self, name, own(part) if isinstance(part, numpy.ndarray) else part)
-        self.converged = self.outcome == "converged"
         self.kkt = problem._of.kkt(self.displacement.tolist(), self.multipliers.tolist())
+        self.converged = self.outcome == "converged" and self.kkt["worst"] <= 1e-6
 
     def __repr__(self):
         return f"<blocks.ContactAnswer: {self.outcome} after {self.iterations} iterations, KKT {self.kkt['worst']:.1e}>"
@@ -522,7 +523,8 @@ class CellBasis(NamedTuple):
 
     `nodes` (m+1, n+1, 2): the points. `values` (m+1, n+1, 2, 4, 2): component i of the function of corner p and direction k at
     [:, :, i, p, k]; corners are (0, 0), (L1, 0), (L1, L2), (0, L2). `stiffness` (8, 8): R^T K R with the stiffness K of the fine cells,
-    unknown 2 p + k (stress). `tensor` (3, 3): the mean stresses xx, yy, xy of the unit strains xx, yy, 2 xy.
+    unknown 2 p + k (stress). `tensor` (3, 3): U_a · stiffness U_b over the area, U_a the displacement of the corners by the unit strain
+    xx, yy or 2 xy: energies; of "periodic" the homogenised tensor (stress).
     """
 
     nodes: numpy.ndarray
@@ -537,8 +539,9 @@ def cell_basis(young, kind="oscillatory", *, poisson=0.3, size=(1.0, 1.0), plane
     `young` (m, n): Young's modulus of fine cell [i, j], i along x, j along y; `poisson`: one ratio, or (m, n); `size`: the sides of the
     coarse cell.
 
-    "q1": the bilinear functions themselves. "linear": those on the boundary, one component alone. "coupled": both components, the
-    boundary linear. "oscillatory": as coupled, but along each edge (E φ')' = 0. "periodic": bilinear and a periodic part, whose tensor is
+    "q1": the bilinear functions themselves. "linear": component k bilinear on the boundary, where the other one is free of traction, and is
+    dropped then. "coupled": component k bilinear on the boundary, the other one 0 there. "oscillatory": as coupled, but along each edge
+    (E φ')' = 0, with E/(1-ν²) in place of E where ratios differ. "periodic": bilinear and a periodic part, whose tensor is
     the homogenised one. "oversampled": coupled on the cell and `layers` of fine cells around it, whose moduli `young` has as well:
     (m + 2 layers, n + 2 layers).
     """

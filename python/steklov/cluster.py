@@ -1,11 +1,19 @@
 """Points and outcomes solved by the workers of a Dask cluster."""
 
 import functools
+import os
+import uuid
 
 from . import _steklov
+from .scene import settings_of
 
 # tasks for each thread of the cluster, so that the last ones end nearly together
 TASKS_A_THREAD = 8
+
+
+def placed(name):
+    """The name of a scene by which workers find the files that it names, wherever they run."""
+    return os.path.abspath(name)
 
 
 def parts(client, count, multiple=1):
@@ -34,6 +42,9 @@ def gathered(client, futures, counts, what, tell):
 
 def solve_points(client, sweep, rows, tell):
     """What is known of the points of a sweep (text, name, settings, keys), a row of values for each."""
+    text, name, settings, keys = sweep
+    title = _steklov.title(text, name, settings)
+    sweep = text, placed(name), [*settings, *settings_of({"title": title})], keys
     chunks = [[rows[k] for k in part] for part in parts(client, len(rows))]
     futures = client.map(points_of_task, chunks, sweep=sweep, pure=False)
     return [known for task in gathered(client, futures, [len(chunk) for chunk in chunks], "points", tell) for known in task]
@@ -48,7 +59,9 @@ class Outcomes:
     """Asks the workers of a cluster for the outcomes of a scene (text, name, settings) by their germs."""
 
     def __init__(self, client, scene):
-        self.client, self.scene, self.futures = client, scene, []
+        text, name, settings = scene
+        # files that a scene names may change between two solutions: a worker keeps it for one of them only
+        self.client, self.scene, self.futures = client, (text, placed(name), settings, uuid.uuid4().hex), []
 
     def __call__(self, germs):
         # outcomes that begin where the last one ended stay together
@@ -62,8 +75,8 @@ class Outcomes:
 
 
 @functools.lru_cache(maxsize=1)
-def prepared(text, name, settings):
-    """The scene, solved up to its last mesh once in each process."""
+def prepared(text, name, settings, solution):
+    """The scene, solved up to its last mesh once in each process for a solution."""
     return _steklov.prepare(text, name, list(settings))
 
 

@@ -1,11 +1,15 @@
 """What may go wrong, as exceptions."""
 
+from __future__ import annotations
+
 import difflib
+from collections.abc import Iterable
+from typing import Any
 
 
-def near(name, names):
+def near(name: str, names: Iterable[str]) -> str:
     """A hint at the name that may be meant."""
-    found = difflib.get_close_matches(name, names, n=1)
+    found = difflib.get_close_matches(name, list(names), n=1)
     return f": did you mean {found[0]!r}?" if found else ""
 
 
@@ -20,11 +24,11 @@ class SceneError(SteklovError):
     text.
     """
 
-    def __init__(self, text, message, help, file, line):
+    def __init__(self, text: str, message: str, help: str, file: str, line: int | None) -> None:
         super().__init__(text)
         self.message, self.help, self.file, self.line = message, help, file, line
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return SceneError, (str(self), self.message, self.help, self.file, self.line)
 
 

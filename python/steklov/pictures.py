@@ -66,7 +66,9 @@ def plot(result, field, ax, enlarge):
     grid = result.fields
     points, displacement, triangles, values = values_of(grid, field)
     moved = grid["point_data"]["displacement"][:, :2]
-    factor = grid["enlargement"] if enlarge is None else enlarge
+    factor = grid["enlargement"] if enlarge is None else float(enlarge)
+    if not numpy.isfinite(factor):
+        raise ValueError(f"displacements cannot be enlarged by {factor}: give a finite number")
     at = points + factor * displacement[:, :2]
     ax = pyplot.subplots(figsize=(8, 6), layout="constrained")[1] if ax is None else ax
     low, high = _steklov.colour_interval(numpy.ascontiguousarray(points), numpy.ascontiguousarray(triangles), numpy.abs(values))
@@ -118,12 +120,14 @@ def plot_sweep(sweep, path, key, ax):
     if key not in sweep.keys:
         raise KeyError(f"{key!r} is not varied{near(key, sweep.keys)}")
     x, y = sweep[key], sweep[path]
+    if x.dtype.kind not in "iuf":
+        raise ValueError(f"the values of {key} are no numbers: draw over another key, or take frame()")
     band = sweep["energy_uncertainty"] if path == "energy_extrapolated" else None
     ax = pyplot.subplots(figsize=(7, 4.5), layout="constrained")[1] if ax is None else ax
     others = [k for k, name in enumerate(sweep.keys) if name != key]
     groups = {}
     for k, point in enumerate(sweep.points):
-        groups.setdefault(tuple(point[o] for o in others), []).append(k)
+        groups.setdefault(tuple(str(point[o]) for o in others), []).append(k)
     for values, rows in groups.items():
         rows = numpy.array(rows)
         rows = rows[numpy.argsort(x[rows], kind="stable")]

@@ -1,15 +1,23 @@
 """One scene at many values of its keys."""
 
+from __future__ import annotations
+
 import itertools
 import json
 import os
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy
 
 from . import _steklov
 from .errors import SteklovError, near
-from .progress import told_to
-from .scene import key_of, settings_of, text_of, toml
+from .progress import Progress, told_to
+from .scene import Scene, key_of, settings_of, text_of, toml
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.axes import Axes
 
 
 class Sweep:
@@ -19,7 +27,7 @@ class Sweep:
     it has no solution, and `messages` why, None where it has one.
     """
 
-    def __init__(self, swept, keys, points):
+    def __init__(self, swept: _steklov.Swept, keys: list[str], points: list[tuple[Any, ...]]) -> None:
         self._swept = swept
         self.keys, self.points = keys, points
         known = swept.outcomes()
@@ -27,27 +35,34 @@ class Sweep:
         self.messages = [None if solved else text for solved, text in known]
         self._paths, self._numbers = swept.numbers()
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.points)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         failed = sum(message is not None for message in self.messages)
         return f"<steklov.Sweep of {', '.join(self.keys)}: {len(self)} points, {failed} failed>"
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> numpy.ndarray[Any, Any]:
         """The values of a varied key, or the numbers of all points by their path in the JSON object, NaN where a point has none."""
         if name in self.keys:
-            return numpy.array([point[self.keys.index(name)] for point in self.points])
+            values = [point[self.keys.index(name)] for point in self.points]
+            if all(isinstance(value, (bool, int, float, str)) for value in values):
+                return numpy.array(values)
+            column = numpy.empty(len(values), dtype=object)
+            column[:] = values
+            return column
+        if not self._paths:
+            return numpy.full(len(self), numpy.nan)  # no point has a solution: `messages` tells why
         if name not in self._paths:
             raise KeyError(f"{name!r} is no number of these points{near(name, list(self.keys) + self._paths)}")
         return self._numbers[:, self._paths.index(name)]
 
     @property
-    def converged(self):
+    def converged(self) -> numpy.ndarray[Any, Any]:
         """Whether each point reached its aim, as an array."""
         return numpy.array([bool(summary and summary["converged"]) for summary in self.summaries])
 
-    def frame(self):
+    def frame(self) -> pandas.DataFrame:
         """All points as a table of pandas: the varied keys, what became of each point, and its numbers."""
         import pandas
 
@@ -62,13 +77,13 @@ class Sweep:
         numbers = pandas.DataFrame(self._numbers, columns=self._paths)
         return pandas.concat([pandas.DataFrame({**columns, **told}), numbers], axis=1)
 
-    def plot(self, path, key=None, *, ax=None):
+    def plot(self, path: str, key: str | None = None, *, ax: Axes | None = None) -> Axes:
         """Draws a number over a varied key, the band of J's uncertainty around it where it is `energy_extrapolated`; returns the axes."""
         from .pictures import plot_sweep
 
         return plot_sweep(self, path, key, ax)
 
-    def csv(self, path=None):
+    def csv(self, path: str | os.PathLike[str] | None = None) -> str | None:
         """The table of `steklov sweep` as a text, or written into a file."""
         text = self._swept.csv()
         if path is None:
@@ -77,20 +92,32 @@ class Sweep:
             file.write(text)
         return None
 
-    def save(self, path, *, replace=False):
+    def save(self, path: str | os.PathLike[str], *, replace: bool = False) -> None:
         """Writes the file of `steklov sweep`; needs a package that was built with HDF5."""
         if not hasattr(self._swept, "save"):
             raise SteklovError("this package was built without HDF5: write the table by csv, or sweep by the command steklov")
         self._swept.save(os.fspath(path), replace)
 
 
-def sweep(scene, vary=None, *, zip=False, points=None, threads=None, client=None, progress=None, **overrides):
+def sweep(
+    scene: Scene,
+    vary: Mapping[str, Iterable[Any]] | None = None,
+    *,
+    zip: bool = False,
+    points: Sequence[Mapping[str, Any]] | pandas.DataFrame | None = None,
+    threads: int | None = None,
+    client: Any = None,
+    progress: Progress = None,
+    **overrides: Any,
+) -> Sweep:
     """Solves a scene at many values of its keys, several points at once; every point has the bits of `solve`.
 
     `vary` is a dictionary of keys and their values, `{"parameters.load": [1, 2, 3]}`: all combinations, the last key running first, with
     `zip` the first values of all keys, the second ones, and so on. `points` instead is a list of dictionaries or a table of pandas.
     `client` is one of Dask, whose workers then solve the points. Points that have no solution stay in the result with their message.
     """
+    if threads is not None and (threads < 1 or client is not None):
+        raise ValueError("threads is 1 or more" if client is None else "threads are those of the client's workers: leave one of both out")
     keys, rows = points_of(vary, zip, points)
     text, name = text_of(scene)
     written = [[toml(value, key) for key, value in zip_of(keys, row)] for row in rows]
@@ -110,7 +137,7 @@ def sweep(scene, vary=None, *, zip=False, points=None, threads=None, client=None
 zip_of = zip
 
 
-def points_of(vary, paired, points):
+def points_of(vary: Any, paired: bool, points: Any) -> tuple[list[str], list[tuple[Any, ...]]]:
     """The varied keys, and their values point by point."""
     if (vary is None) == (points is None):
         raise TypeError("give either the values of keys by `vary`, or `points`")
@@ -127,6 +154,10 @@ def points_of(vary, paired, points):
     for name, values in vary.items():
         if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
             raise TypeError(f"the values of {name} are {values!r}: give a list of them")
+        if key_of(name) in lists:
+            raise ValueError(f"{name} is varied twice: vary it once, with all its values")
+        if hasattr(values, "__len__") and len(values) > 10 * _steklov.MOST_POINTS:
+            raise ValueError(f"{name} has {len(values)} values, and a sweep {_steklov.MOST_POINTS} points at most: take fewer")
         lists[key_of(name)] = [plain(value) for value in values]
         if not lists[key_of(name)]:
             raise ValueError(f"{name} has no values: give one at least")
@@ -143,6 +174,6 @@ def points_of(vary, paired, points):
     return list(lists), list(zip_of(*lists.values()))
 
 
-def plain(value):
+def plain(value: Any) -> Any:
     """A number of numpy as one of Python."""
     return value.item() if isinstance(value, numpy.generic) else value

@@ -485,7 +485,7 @@ def kl(kernel="exponential", correlation=0.5, size=1.0, **more):
     (lambda: blocks.Operators(block(), 1, 0.3, length=1e-3).S, "length L = 0.001"),
     (lambda: blocks.Operators(block(), 1, 0.3).steklov("outside"), "it is one of 'interior', 'exterior'"),
     (lambda: blocks.Operators(block(), 1, 0.3).steklov(bounded_at_infinity=True), "the body is bounded"),
-    (lambda: blocks.Operators(block(), 1, 0.3).steklov().traction([1, 2]), "x and y at 30 nodes"),
+    (lambda: blocks.Operators(block(), 1, 0.3).steklov().traction([1, 2]), "x and y of each node"),
     (lambda: blocks.Operators(block(), 1, 0.3).steklov().traction([NAN] * 60), r"displacement\[0\] is nan"),
     # contact
     (lambda: contact(stiffness=numpy.ones((2, 3))), r"shape \(2, 3\): it must be \(2, 2\)"),

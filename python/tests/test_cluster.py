@@ -81,3 +81,29 @@ def test_ctrl_c_ends_outcomes_on_a_cluster(client):
     with pytest.raises(KeyboardInterrupt):
         steklov.solve(SCENE, client=client, stochastic={"method": "monte-carlo", "samples": 100000})
     assert time.monotonic() - clock < 5
+
+
+def test_files_of_a_scene_are_those_of_the_client_and_of_the_moment(client, tmp_path, monkeypatch):
+    h5py = pytest.importorskip("h5py")
+    scene = {
+        "body": {"corners": [[0, 0], [2, 0], [2, 1], [0, 1]], "sides": ["floor", "right", "top", "left"]},
+        "material": {"poisson": 0.3, "cells": {"size": 0.5, "young": {"file": "moduli.h5", "dataset": "young"}}},
+        "random": {"p": {"distribution": "uniform", "low": 0.5, "high": 1.5}},
+        "sides": {"floor": {"displacement": ["0", "0"]}, "top": {"pressure": "p"}},
+        "grid": {"coarse": [4, 2], "fine": [2, 2]},
+        "method": {"refine": "none"},
+        "stochastic": {"method": "monte-carlo", "samples": 40},
+    }
+    monkeypatch.chdir(tmp_path)
+    means = []
+    for young in (50.0, 100.0):
+        with h5py.File("moduli.h5", "w") as file:
+            file["young"] = numpy.full((4, 2), young)
+        alone, shared = steklov.solve(scene), steklov.solve(scene, client=client)
+        assert json.dumps(without_times(alone.summary)) == json.dumps(without_times(shared.summary))
+        means.append(shared.summary["stochastic"]["energy"]["mean"])
+        vary = {"parameters.q": [1, 2]}
+        points = {"parameters": {"q": 1}, "sides": {**scene["sides"], "top": {"pressure": "q"}}}
+        flat = {key: value for key, value in {**scene, **points}.items() if key not in ("random", "stochastic")}
+        assert steklov.sweep(flat, vary, client=client).summaries == steklov.sweep(flat, vary).summaries
+    assert abs(means[0] / means[1] - 2) < 1e-9

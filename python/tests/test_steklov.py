@@ -7,6 +7,7 @@ import re
 import resource
 import signal
 import subprocess
+import sys
 import threading
 import time
 
@@ -313,6 +314,11 @@ def test_points_of_a_sweep_may_fail_and_wrong_ones_are_refused():
         (dict(vary={"parameters.p": 3}), TypeError, "list"),
         (dict(vary={"parameters.p": [1, 2], "parameters.F": [1]}, zip=True), ValueError, "as many values"),
         (dict(vary={"parameters.p": [1, float("nan")]}), ValueError, "parameters.p is nan"),
+        (dict(vary={"parameters.p": [1], "parameters__p": [2]}), ValueError, "varied twice"),
+        (dict(vary={"parameters.p": [1], 'parameters."p"': [2]}), ValueError, "varied twice"),
+        (dict(vary={"parameters.p": [1], "parameters": [{"p": 2}]}), ValueError, "a part of the other"),
+        (dict(vary={"parameters.p": range(10**9)}), ValueError, "take fewer"),
+        (dict(vary={"parameters.p": [1]}, threads=0), ValueError, "1 or more"),
         (dict(points=[]), ValueError, "empty"),
         (dict(points=[{"parameters.p": 1}, {"parameters.F": 1}]), ValueError, "points[1]"),
         (dict(), TypeError, "either"),
@@ -323,6 +329,8 @@ def test_points_of_a_sweep_may_fail_and_wrong_ones_are_refused():
             steklov.sweep(BLOCK, **arguments)
     with pytest.raises(KeyError, match="did you mean 'energy'"):
         swept["energi"]
+    failed = steklov.sweep(BLOCK, {"material.poisson": [0.7, 0.8]})
+    assert numpy.isnan(failed["energy"]).all() and failed["material.poisson"].tolist() == [0.7, 0.8]
 
 
 def test_ctrl_c_ends_a_sweep():
@@ -338,3 +346,40 @@ def test_progress_may_be_a_bar(capsys):
     steklov.solve(BLOCK, progress=True)
     steklov.sweep(BLOCK, {"parameters.p": [1, 2]}, progress=True)
     assert "points 2 of 2" in capsys.readouterr().err
+
+
+def test_masks_by_the_names_of_sides_take_their_rows():
+    result = steklov.solve(BLOCK)
+    on_floor = result.contact["side"] == "floor"
+    force = (result.contact["pressure"] * result.contact["weight"])[on_floor].sum()
+    assert on_floor.all() and abs(force - 2) < 1e-9
+    several = steklov.solve(ROOT / "scenes" / "59-tied-blocks.toml", method__tolerance=0.1)
+    found = several.at([[1e9, 0.0], several.summary["probe"][0]["point"] if several.summary["probe"] else [0.5, 0.25]])
+    assert found["body"][0] == "" and found["body"].dtype.kind == "U"
+
+
+def test_a_forked_process_says_that_it_lacks_threads():
+    code = f"""
+import multiprocessing, steklov
+scene = {str(ROOT / "scenes" / "block-on-floor.toml")!r}
+def child(queue):
+    try:
+        steklov.solve(scene)
+    except steklov.SolveError as error:
+        queue.put(str(error))
+result = steklov.solve(scene, method__tolerance=1e-2)
+context = multiprocessing.get_context("fork")
+queue = context.Queue()
+process = context.Process(target=child, args=(queue,))
+process.start()
+print(queue.get(timeout=20))
+process.join(20)
+"""
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert "lacks its threads" in ran.stdout and "spawn" in ran.stdout, ran.stderr
+
+
+def test_paths_may_have_any_name(tmp_path):
+    path = tmp_path / "load=3.toml"
+    path.write_text(steklov.text_of(BLOCK)[0], encoding="utf-8")
+    assert steklov.text_of(str(path))[1] == str(path)

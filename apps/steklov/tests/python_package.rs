@@ -14,7 +14,7 @@ fn the_python_package_gives_what_the_command_gives() {
     std::fs::create_dir(&package).unwrap();
     for entry in std::fs::read_dir(root.join("python/steklov")).unwrap() {
         let path = entry.unwrap().path();
-        if path.extension().is_some_and(|ending| ending == "py") {
+        if path.extension().is_some_and(|ending| ["py", "pyi", "typed"].iter().any(|own| ending == *own)) {
             std::fs::copy(&path, package.join(path.file_name().unwrap())).unwrap();
         }
     }

@@ -13,6 +13,8 @@ use steklov_model::summary::{LinePoint, SidePoint};
 use steklov_problem::ProbeLine;
 use steklov_unstructured::Field;
 
+use crate::start_threads;
+
 /// A column of a table: its name, and its number in a row.
 type Column<R> = (&'static str, fn(&R) -> f64);
 
@@ -69,6 +71,7 @@ impl Solved {
                 "the point ({x}, {y}) is nowhere: coordinates are finite numbers"
             )));
         }
+        start_threads(py)?;
         self.point_table(py, &py.detach(|| self.answer.at(&self.document.scene, &points)))
     }
 
@@ -76,19 +79,21 @@ impl Solved {
     fn along_line<'py>(
         &self,
         py: Python<'py>,
-        from: [f64; 2],
-        to: [f64; 2],
+        first: [f64; 2],
+        last: [f64; 2],
         points: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let line = ProbeLine { from, to, points };
+        let line = ProbeLine { from: first, to: last, points };
         line.check(&self.document.scene.problem)
             .map_err(|(what, help)| PyValueError::new_err(format!("{what}: {help}")))?;
+        start_threads(py)?;
         self.point_table(py, &py.detach(|| self.answer.along(&self.document.scene, &line)))
     }
 
     /// Displacement, traction and stress along a side; None if there is none of that name.
     fn along_side<'py>(&self, py: Python<'py>, side: &str) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some(side) = self.document.scene.problem.side(side) else { return Ok(None) };
+        start_threads(py)?;
         let rows = py.detach(|| self.answer.along_side(&self.document.scene, side)).points;
         let table = PyDict::new(py);
         table.set_item("piece", PyArray1::from_iter(py, rows.iter().map(|row| row.piece)))?;
@@ -113,6 +118,7 @@ impl Solved {
 
     /// The fields on an unstructured grid, and the factor at which displacements are drawn.
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        start_threads(py)?;
         let (grid, enlargement) = py.detach(|| {
             let grid = steklov_fields::fields(&self.document.scene, &self.answer);
             let enlargement = steklov_fields::enlargement(&self.answer, &grid);

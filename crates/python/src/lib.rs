@@ -9,7 +9,7 @@ mod sweep;
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
@@ -40,6 +40,12 @@ fn plan(py: Python<'_>, text: &str, name: &str, overrides: Vec<String>) -> PyRes
     serde_json::to_string(&plan).map_err(|e| pyo3::exceptions::PyValueError::new_err(e.to_string()))
 }
 
+/// The title of a scene: its name unless it has one.
+#[pyfunction]
+fn title(py: Python<'_>, text: &str, name: &str, overrides: Vec<String>) -> PyResult<String> {
+    Ok(read(py, text, name, &overrides)?.scene.title)
+}
+
 /// Solves a scene. `progress` is called with a text and the share of the step, or of the outcomes, that is done;
 /// `elsewhere` with lists of germs, for whose outcomes it returns what `Prepared.answers` gives, and its `cancel` to stop.
 #[pyfunction]
@@ -52,7 +58,7 @@ fn solve(
     progress: Option<Bound<'_, PyAny>>,
     elsewhere: Option<Py<PyAny>>,
 ) -> PyResult<Solved> {
-    start_threads();
+    start_threads(py)?;
     let mut document = read(py, text, name, &overrides)?;
     if document.scene.method.max_dofs.is_none() && !document.scene.is_on_grid() {
         document.scene.method.memory = available_memory_bytes();
@@ -104,14 +110,24 @@ fn colour_interval(
 }
 
 /// As many threads as processors, and the same bits for any number of them.
-fn start_threads() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
+///
+/// # Errors
+/// In a process that was forked from one that had its threads: it has none, and would wait for them for ever.
+fn start_threads(py: Python<'_>) -> PyResult<()> {
+    static OWNER: OnceLock<u32> = OnceLock::new();
+    let owner = *OWNER.get_or_init(|| {
         faer::set_global_parallelism(faer::Par::rayon(PARTS));
         let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
         // a program that has made its threads keeps them
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build_global();
+        std::process::id()
     });
+    if owner == std::process::id() {
+        return Ok(());
+    }
+    let what = "this process was forked from one that had begun to solve, and lacks its threads: start processes anew, as by \
+                multiprocessing.get_context(\"spawn\")";
+    Err(raised(py, "SolveError", (what,)))
 }
 
 /// What a run is doing, and the share of that which is done.
@@ -200,7 +216,7 @@ fn raised<'py>(py: Python<'py>, name: &str, arguments: impl pyo3::call::PyCallAr
 #[pymodule]
 mod _steklov {
     #[pymodule_export]
-    use super::{colour_interval, plan, solve};
+    use super::{colour_interval, plan, solve, title};
     #[pymodule_export]
     const MOST_POINTS: usize = steklov_sweep::MOST_POINTS;
     #[pymodule_export]

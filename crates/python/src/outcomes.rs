@@ -23,7 +23,7 @@ pub struct Prepared {
 /// Solves a scene up to its last mesh.
 #[pyfunction]
 pub fn prepare(py: Python<'_>, text: &str, name: &str, overrides: Vec<String>) -> PyResult<Prepared> {
-    start_threads();
+    start_threads(py)?;
     let document = read(py, text, name, &overrides)?;
     check(py, &document)?;
     let scene = &document.scene;

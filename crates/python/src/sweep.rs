@@ -69,7 +69,7 @@ pub fn sweep(
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Swept> {
-    start_threads();
+    start_threads(py)?;
     let document = read(py, text, name, &overrides)?;
     let points = Points::of_rows(keys, rows).map_err(|error| sweep_error(py, &error))?;
     let mut sweep = Sweep::new(&document, points);

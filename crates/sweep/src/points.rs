@@ -170,10 +170,31 @@ fn check_keys(keys: &[String]) -> Result<(), SweepError> {
         let help = "name a key of the scene, as parameters.F or method.tolerance";
         return Err(refused(&keys.join(","), "a key is missing".to_owned(), help));
     }
-    match (1..keys.len()).find(|k| keys[..*k].contains(&keys[*k])) {
-        Some(k) => Err(refused(&keys[k], "this key is varied twice".to_owned(), "vary it once, with all its values")),
-        None => Ok(()),
+    let paths: Vec<Vec<String>> = keys.iter().map(|key| path(key)).collect();
+    for (k, own) in paths.iter().enumerate() {
+        // a table and one of its keys are varied together
+        if let Some(other) = paths[..k].iter().position(|other| own.starts_with(other) || other.starts_with(own)) {
+            let what = match *own == paths[other] {
+                true => "this key is varied twice".to_owned(),
+                false => format!("one of this key and {} is a part of the other", keys[other]),
+            };
+            return Err(refused(&keys[k], what, "vary it once, with all its values"));
+        }
     }
+    Ok(())
+}
+
+/// The names of a dotted key; the key itself if it is none, which the scene will refuse.
+fn path(key: &str) -> Vec<String> {
+    let Ok(mut table) = toml::from_str::<toml::Table>(&format!("{key}=0")) else { return vec![key.to_owned()] };
+    let mut names = Vec::new();
+    while let Some((name, value)) = std::mem::take(&mut table).into_iter().next() {
+        names.push(name);
+        if let toml::Value::Table(inner) = value {
+            table = inner;
+        }
+    }
+    names
 }
 
 /// A key and its values, of `KEY=FROM:TO:N` or `KEY=a,b,c`.

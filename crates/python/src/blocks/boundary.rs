@@ -36,7 +36,7 @@ impl Polygon {
         let made = work(py, || match outer {
             Some(outer) => steklov_bem_operators::Polygon::new(outer, holes),
             None => steklov_bem_operators::Polygon::outside(holes),
-        });
+        })?;
         let polygon = made.map_err(|error| wrong(py, error))?;
         if polygon.diameter() < SMALLEST {
             let what =
@@ -108,7 +108,7 @@ impl Mesh {
         }
         degree.iter().try_for_each(|&p| check_degree(py, p))?;
         let made =
-            work(py, || steklov_bem_operators::Mesh::graded(polygon, &towards, layers, ratio, |layer| degree[layer]));
+            work(py, || steklov_bem_operators::Mesh::graded(polygon, &towards, layers, ratio, |layer| degree[layer]))?;
         let mesh = made.map_err(|error| failed(py, error))?;
         Self::checked(py, || mesh)
     }
@@ -116,7 +116,7 @@ impl Mesh {
     /// The mesh with the marked elements halved, and the parent of each element.
     fn halved<'py>(&self, py: Python<'py>, marked: Vec<bool>) -> PyResult<(Self, Bound<'py, PyArray1<i64>>)> {
         self.check_marks(py, &marked)?;
-        let (mesh, parents) = work(py, || self.mesh.bisected(&marked));
+        let (mesh, parents) = work(py, || self.mesh.bisected(&marked))?;
         Ok((Self::checked(py, || mesh)?, whole(py, parents)))
     }
 
@@ -161,7 +161,7 @@ impl Mesh {
             mesh.check()?;
             let nodes: usize = mesh.degree.iter().sum();
             Ok((nodes <= MOST).then(|| Self { space: Space::new(&mesh), mesh }))
-        });
+        })?;
         let made = made.map_err(|error| failed(py, error))?;
         made.ok_or_else(|| {
             wrong(py, format!("the mesh has more than {MOST} nodes: take fewer elements or lower degrees"))

@@ -70,7 +70,7 @@ pub fn cell_basis<'py>(
         cells.retain(|cell| !cell.size.contains(&0));
         let middle = cells.len() / 2;
         Multiscale::new(&body, CoarseMesh::new(&body.grid, cells)?, kind)?.cell_basis(middle)
-    });
+    })?;
     let basis = made.map_err(|error| failed(py, error))?;
     let tensor = basis.tensor(spacing);
     Ok((

@@ -62,7 +62,7 @@ impl ContactProblem {
         }
         let stiffness = Mat::from_fn(m, columns, |i, j| stiffness[[i, j]]).into();
         let problem = Problem { stiffness, load, nodes };
-        work(py, || problem.check().map(|()| problem)).map(Self).map_err(|error| failed(py, error))
+        work(py, || problem.check().map(|()| problem))?.map(Self).map_err(|error| failed(py, error))
     }
 
     /// The answer of a solver, from a start where it takes one, with a step where it has one.
@@ -83,7 +83,7 @@ impl ContactProblem {
                 "fixed-point" => fixed_point(&self.0, start),
                 _ => return None,
             })
-        });
+        })?;
         let Some(solved) = solved else { return Err(unknown(py, "solver", solver)) };
         solved.map(Answer).map_err(|error| failed(py, error))
     }
@@ -96,7 +96,7 @@ impl ContactProblem {
         multipliers: Vec<[f64; 2]>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let solution = self.candidate(py, displacement, multipliers)?;
-        let judged = work(py, || kkt(&self.0, &solution));
+        let judged = work(py, || kkt(&self.0, &solution))?;
         let measures = PyDict::new(py);
         measures.set_item("equilibrium", judged.equilibrium)?;
         measures.set_item("penetration", judged.penetration)?;
@@ -110,13 +110,13 @@ impl ContactProblem {
     /// ½ vᵀSv - fᵀv and the work of friction.
     fn energy(&self, py: Python<'_>, displacement: Vec<f64>, multipliers: Vec<[f64; 2]>) -> PyResult<f64> {
         let solution = self.candidate(py, displacement, multipliers)?;
-        Ok(work(py, || self.0.energy(&solution.displacement, &solution.multipliers)))
+        work(py, || self.0.energy(&solution.displacement, &solution.multipliers))
     }
 
     /// The contraction of the fixed point at an answer: the largest modulus of an eigenvalue, the largest positive real one.
     fn contraction(&self, py: Python<'_>, answer: &Bound<'_, Answer>) -> PyResult<(f64, f64)> {
         let answer = &answer.get().0;
-        let found = work(py, || contraction(&self.0, answer)).map_err(|error| failed(py, error))?;
+        let found = work(py, || contraction(&self.0, answer))?.map_err(|error| failed(py, error))?;
         Ok((found.factor, found.real))
     }
 }

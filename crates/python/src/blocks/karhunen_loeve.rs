@@ -53,7 +53,7 @@ impl KarhunenLoeve {
             }
             [x, y] => Some(RectangleKarhunenLoeve::new(&covariance, [x, y], truncation).map(Expansion::Rectangle)),
             _ => None,
-        });
+        })?;
         let Some(made) = made else {
             return Err(wrong(py, format!("{} sides: an interval has 1 and a rectangle 2", sides.len())));
         };
@@ -95,7 +95,7 @@ impl KarhunenLoeve {
                 Expansion::Rectangle(of) => of.modes(point, row),
             });
             values
-        });
+        })?;
         array(py, values, &[rows, count])
     }
 

@@ -26,9 +26,9 @@ use steklov_elastic::Plane;
 use crate::{raised, start_threads};
 
 /// f without the GIL, on the threads of all numerics.
-fn work<T: Send>(py: Python<'_>, f: impl FnOnce() -> T + Send) -> T {
-    start_threads();
-    py.detach(|| rayon::scope(|_| f()))
+fn work<T: Send>(py: Python<'_>, f: impl FnOnce() -> T + Send) -> PyResult<T> {
+    start_threads(py)?;
+    Ok(py.detach(|| rayon::scope(|_| f())))
 }
 
 /// The exception of data that make no block.

@@ -30,7 +30,7 @@ impl Operators {
         let Mesh { mesh, space } = mesh.get();
         // V, K and W, and as much again for a copy
         check_memory(py, space.dofs(), 6)?;
-        let made = work(py, || steklov_bem_operators::Operators::assemble(mesh, space, &material, length));
+        let made = work(py, || steklov_bem_operators::Operators::assemble(mesh, space, &material, length))?;
         let operators = made.map_err(|error| failed(py, error))?;
         let usual = |x: f64| x.is_normal();
         if !(usual(operators.v[(0, 0)]) && usual(operators.w[(0, 0)])) {
@@ -75,7 +75,7 @@ impl Operators {
             _ => return Err(unknown(py, "domain", domain)),
         };
         check_memory(py, self.0.v.nrows(), 4)?;
-        work(py, || steklov_bem_operators::Steklov::new(self.0.clone(), domain))
+        work(py, || steklov_bem_operators::Steklov::new(self.0.clone(), domain))?
             .map(Steklov)
             .map_err(|error| failed(py, error))
     }
@@ -94,7 +94,7 @@ impl Steklov {
     /// Legendre coefficients of the traction of a nodal displacement.
     fn traction<'py>(&self, py: Python<'py>, displacement: Vec<f64>) -> PyResult<Bound<'py, PyAny>> {
         self.check(py, &displacement)?;
-        let traction = work(py, || self.0.traction.apply(&displacement));
+        let traction = work(py, || self.0.traction.apply(&displacement))?;
         let count = traction.len();
         array(py, traction, &[count])
     }

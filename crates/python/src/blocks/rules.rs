@@ -49,7 +49,7 @@ pub fn rule<'py>(
             "logarithmic" => substituted(n, power),
             _ => return None,
         })
-    });
+    })?;
     let Some(rule) = made else { return Err(unknown(py, "kind of rule with this end", kind)) };
     if rule.points.iter().chain(&rule.weights).any(|x| !x.is_finite()) {
         return Err(wrong(
