@@ -81,7 +81,7 @@ fn of_ties(deformed: &Deformed<'_>, extent: f64) -> f64 {
 /// triangle turns over where det(I + k G) = 1 + k tr G + k² det G falls to 0, with the gradient G of its displacement.
 fn of_folds(deformed: &Deformed<'_>, hardly_seen: f64) -> f64 {
     let fields = deformed.grid;
-    let Some(displacement) = fields.point_data.iter().find(|f| f.name == "displacement" && f.components == 3) else {
+    let Some(displacement) = Grid::field(&fields.point_data, "displacement", 3) else {
         return f64::INFINITY;
     };
     let at = |i: usize| [displacement.values[3 * i], displacement.values[3 * i + 1]];

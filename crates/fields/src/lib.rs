@@ -16,7 +16,7 @@
 //! scene.problem.touch(0, Contact { gap: Expression::number(0.0), friction: Friction::None });
 //! scene.problem.sides[2].condition = Condition::Pressure(Expression::number(3.0));
 //! let grid = fields(&scene, &solve(&scene)?);
-//! let stress = Grid::field(&grid.point_data, "stress").expect("bodies of boundary elements have it at points");
+//! let stress = Grid::field(&grid.point_data, "stress", 3).expect("bodies of boundary elements have it at points");
 //! for of_point in stress.values.chunks_exact(3) {
 //!     assert!(of_point[0].abs() < 1e-9 && (of_point[1] + 3.0).abs() < 1e-9 && of_point[2].abs() < 1e-9);
 //! }

@@ -37,7 +37,7 @@ pub fn add_medium(grid: &mut Grid, around: &Around, window: &Window) {
 
 /// Number of points and the triangles of the body, without those of the medium around it.
 pub fn body_part(grid: &Grid) -> (usize, &[[usize; 3]]) {
-    let region = grid.cell_data.iter().find(|field| field.name == REGION);
+    let region = Grid::field(&grid.cell_data, REGION, 1);
     let of_medium = |k: &usize| region.and_then(|r| r.values.get(grid.lines.len() + k)).is_some_and(|&r| r != 0.0);
     let first = (0..grid.triangles.len()).find(of_medium).unwrap_or(grid.triangles.len());
     let (body, medium) = grid.triangles.split_at(first);

@@ -1,6 +1,6 @@
 //! One scene at many values of its keys.
 
-use numpy::{PyArray1, PyArray2};
+use numpy::PyArray1;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use steklov_sweep::{Observer, Outcome, Points, Sweep, SweepError, solve_points};
@@ -31,14 +31,6 @@ impl Swept {
         let shape = [quantities.rows.len(), quantities.paths.len()];
         let flat: Vec<f64> = quantities.rows.into_iter().flatten().collect();
         Ok((quantities.paths, PyArray1::from_vec(py, flat).call_method1("reshape", (shape,))?))
-    }
-
-    /// The values of the varied keys as numbers, a row for each point; NaN where one is a word.
-    fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let points = &self.0.points;
-        let row = |point: usize| (0..points.keys().len()).map(|key| points.number(point, key)).collect();
-        let rows: Vec<Vec<f64>> = (0..points.len()).map(row).collect();
-        Ok(PyArray2::from_vec2(py, &rows)?)
     }
 
     /// The table of `steklov sweep`.

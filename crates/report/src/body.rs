@@ -87,7 +87,7 @@ pub(crate) fn body(stored: &Record) -> Option<Body> {
 }
 
 fn field<'a>(fields: &'a [Field], name: &str, components: usize) -> Option<&'a [f64]> {
-    fields.iter().find(|f| f.name == name && f.components == components).map(|f| f.values.as_slice())
+    Grid::field(fields, name, components).map(|f| f.values.as_slice())
 }
 
 fn planar(values: &[f64]) -> impl Iterator<Item = [f64; 2]> + '_ {

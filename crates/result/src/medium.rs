@@ -110,7 +110,7 @@ fn check_window(at: &Group, fields: &vtkhdf::Grid) -> Result<(), IoError> {
         return Err(other("points"));
     }
     let first = fields.points.len() - points.len();
-    let shown = fields.point_data.iter().find(|field| field.name == "displacement" && field.components == 3);
+    let shown = vtkhdf::Grid::field(&fields.point_data, "displacement", 3);
     let shown = shown.and_then(|field| field.values.get(3 * first..)).ok_or_else(|| other("displacement"))?;
     let displacement = load_points(at, "displacement")?;
     let plane = shown.chunks_exact(3).map(|u| [u[0], u[1]].map(f64::to_bits));

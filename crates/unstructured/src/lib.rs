@@ -6,8 +6,7 @@
 //! let points = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
 //! let height = Field { name: "height".into(), unit: "length".into(), components: 1, values: vec![0.0, 0.0, 2.0] };
 //! let grid = Grid { points, triangles: vec![[0, 1, 2]], point_data: vec![height], ..Grid::default() };
-//! assert_eq!(grid.cells(), 1);
-//! assert_eq!(Grid::field(&grid.point_data, "height").map(|f| f.values[2]), Some(2.0));
+//! assert_eq!(Grid::field(&grid.point_data, "height", 1).map(|f| f.values[2]), Some(2.0));
 //! ```
 
 /// Values at points or in cells.
@@ -41,13 +40,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Number of cells of all kinds.
-    pub fn cells(&self) -> usize {
-        self.lines.len() + self.triangles.len() + self.quads.len()
-    }
-
-    /// The field of a name among those at the points, or in the cells.
-    pub fn field<'a>(fields: &'a [Field], name: &str) -> Option<&'a Field> {
-        fields.iter().find(|field| field.name == name)
+    /// The field with this name and as many components, among those at the points, or in the cells.
+    pub fn field<'a>(fields: &'a [Field], name: &str, components: usize) -> Option<&'a Field> {
+        fields.iter().find(|field| field.name == name && field.components == components)
     }
 }

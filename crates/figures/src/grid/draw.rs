@@ -2,6 +2,7 @@
 
 use std::cmp::Reverse;
 
+use steklov_io::vtkhdf;
 use steklov_msfem::{Basis, CellBasis, CoarseCell, CoarseMesh, Grid, HeterogeneousBody, Multiscale};
 use steklov_picture::{
     Axis, BasisFunction, CellField, Chart, Colours, Curve, Picture, PictureError, Scale, Series, basis, cell_fields,
@@ -84,7 +85,7 @@ pub(super) fn on_cells(stored: &Record, record: &GridRecord, scalar: Scalar) -> 
     let mut all = vec![f64::NAN; grid.cells[0] * grid.cells[1]];
     let stress = of_quads(&stored.grid, "stress", 3).unwrap_or_default().as_chunks().0;
     let von_mises = of_quads(&stored.grid, "von_mises", 1).unwrap_or_default();
-    let displacement = stored.grid.point_data.iter().find(|f| f.name == "displacement" && f.components == 3);
+    let displacement = vtkhdf::Grid::field(&stored.grid.point_data, "displacement", 3);
     let displacement: &[[f64; 3]] = displacement.map_or(&[], |f| f.values.as_chunks().0);
     let mean = |cell: usize, i: usize| grid.cell_nodes(cell).map(|n| displacement[n][i]).iter().sum::<f64>() / 4.0;
     for ((cell, stress), von_mises) in grid.body_cells().zip(stress).zip(von_mises) {

@@ -1,5 +1,6 @@
 //! The picture of a body on a grid and of the medium around it.
 
+use steklov_io::vtkhdf::Grid;
 use steklov_picture::{Body, Picture, PictureError, body};
 use steklov_result::record::Record;
 
@@ -14,8 +15,8 @@ use crate::view::View;
 pub(crate) fn medium(stored: &Record, view: &View) -> Result<Option<Picture>, PictureError> {
     let fields = &stored.grid;
     let Some(record) = stored.on_grid.as_ref().filter(|_| !fields.triangles.is_empty()) else { return Ok(None) };
-    let of_cells = |name: &str, n: usize| fields.cell_data.iter().find(|f| f.name == name && f.components == n);
-    let displacement = fields.point_data.iter().find(|f| f.name == "displacement" && f.components == 3);
+    let of_cells = |name: &str, n: usize| Grid::field(&fields.cell_data, name, n);
+    let displacement = Grid::field(&fields.point_data, "displacement", 3);
     let (Some(stress), Some(von_mises), Some(displacement)) =
         (of_cells("stress", 3), of_cells("von_mises", 1), displacement)
     else {

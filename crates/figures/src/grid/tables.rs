@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use steklov_io::vtkhdf::Grid;
 use steklov_result::grid::of_quads;
 use steklov_result::record::Record;
 
@@ -22,7 +23,7 @@ pub(crate) fn tables(stored: &Record) -> Vec<(&'static str, String)> {
         }
         tables.push(("cells", text));
     }
-    if let Some(u) = fields.point_data.iter().find(|f| f.name == "displacement" && f.components == 3) {
+    if let Some(u) = Grid::field(&fields.point_data, "displacement", 3) {
         let mut text = String::from("x,y,ux,uy\n");
         for (x, u) in fields.points.iter().zip(u.values.chunks_exact(3)) {
             row(&mut text, &[x[0], x[1], u[0], u[1]]);

@@ -200,7 +200,7 @@ fn load_body(at: &Group, fields: &vtkhdf::Grid) -> Result<HeterogeneousBody, IoE
 
 /// The values of a field in the quadrilaterals, if there is such a field.
 pub fn of_quads<'a>(fields: &'a vtkhdf::Grid, name: &str, components: usize) -> Option<&'a [f64]> {
-    let field = fields.cell_data.iter().find(|f| f.name == name && f.components == components)?;
+    let field = vtkhdf::Grid::field(&fields.cell_data, name, components)?;
     field.values.get(components * (fields.lines.len() + fields.triangles.len())..)
 }
 
