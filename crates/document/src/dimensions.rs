@@ -17,18 +17,21 @@ const WHOLE: f64 = 9007199254740992.0;
 /// # Errors
 /// The expression cannot be read, depends on the place or on random input, or is not finite.
 pub(super) fn evaluate(root: &mut Item, context: &Context<'_>) -> Result<(), ReadError> {
-    let random = match root.at(&["random"]).map(|item| &item.value) {
+    let names = |table: &str| match root.at(&[table]).map(|item| &item.value) {
         Some(Value::Table(entries)) => entries.iter().map(|entry| entry.key.clone()).collect(),
         _ => Vec::new(),
     };
+    let (random, profiles) = (names("random"), names("profiles"));
     let scene = Form::Table(&keys::SCENE);
-    Dimensions { context, random }.item(root, &[&scene], "")
+    Dimensions { context, random, profiles }.item(root, &[&scene], "")
 }
 
 struct Dimensions<'a> {
     context: &'a Context<'a>,
     /// The names of random input.
     random: Vec<String>,
+    /// The names of profiles.
+    profiles: Vec<String>,
 }
 
 impl Dimensions<'_> {
@@ -72,7 +75,7 @@ impl Dimensions<'_> {
 
     /// The value of an expression of parameters: a whole number where it is one.
     fn value(&self, field: &Field<'_>) -> Result<Value, ReadError> {
-        let expression = field.expression(self.context).map_err(|error| self.of_random(error, field))?;
+        let expression = field.expression(self.context).map_err(|error| self.of_names(error, field))?;
         let told = || format!("{} depends on the place: {:?}", field.name, expression.text());
         let value = expression.constant().ok_or_else(|| {
             field.problem(told(), "it must be one value: use numbers, pi and the names in [parameters]")
@@ -85,15 +88,15 @@ impl Dimensions<'_> {
         Ok(if is_whole { Value::Integer(value as i64) } else { Value::Float(value) })
     }
 
-    /// The error of an expression, with its remedy if it uses random input.
-    fn of_random(&self, error: ReadError, field: &Field<'_>) -> ReadError {
+    /// The error of an expression, with its remedy if it uses random input or a profile.
+    fn of_names(&self, error: ReadError, field: &Field<'_>) -> ReadError {
         let About::Text(place) = error.about else { return error };
         let name = &self.context.source.part(place.source)[place.start..place.end];
-        if error.kind != Kind::Expression || !self.random.iter().any(|random| random == name) {
-            return error;
-        }
-        let message = format!("{} uses {name}, which is random", field.name);
-        let help = "here one number is needed, the same in all outcomes: use names of [parameters]";
+        let what = [(&self.random, "is random"), (&self.profiles, "is a profile")];
+        let what = what.into_iter().find(|(names, _)| names.iter().any(|other| other == name));
+        let (Kind::Expression, Some((_, what))) = (error.kind, what) else { return error };
+        let message = format!("{} uses {name}, which {what}", field.name);
+        let help = "here one number is needed, the same at all places and in all outcomes: use names of [parameters]";
         ReadError::new(DataErrorKind::Unsupported, place, message, help)
     }
 }

@@ -4,8 +4,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use steklov_expression::FieldValue;
-use steklov_expression::{Expression, Place};
+use steklov_expression::{Expression, FieldValue, Place, Profile};
 use steklov_problem::DataErrorKind;
 
 use super::error::{ReadError, SceneErrorKind as Kind};
@@ -19,13 +18,15 @@ pub(super) struct Context<'a> {
     pub(super) source: &'a Source,
     pub(super) constants: BTreeMap<String, f64>,
     pub(super) fields: BTreeMap<String, Arc<FieldValue>>,
+    pub(super) profiles: BTreeMap<String, Arc<Profile>>,
     /// The names that expressions have used so far.
     pub(super) used: RefCell<BTreeSet<String>>,
 }
 
 impl<'a> Context<'a> {
     pub(super) fn new(source: &'a Source, constants: BTreeMap<String, f64>) -> Self {
-        Self { source, constants, fields: BTreeMap::new(), used: RefCell::default() }
+        let (fields, profiles) = (BTreeMap::new(), BTreeMap::new());
+        Self { source, constants, fields, profiles, used: RefCell::default() }
     }
 }
 
@@ -202,18 +203,22 @@ impl<'a> Field<'a> {
         let mut expression = match &self.item.value {
             Value::Integer(n) => Expression::number(*n as f64),
             Value::Float(v) => Expression::number(*v),
-            Value::Text(text) => Expression::with_fields(text, &context.constants, &context.fields).map_err(|e| {
-                let Place { source, start, end } = self.item.place;
-                let raw = &context.source.part(source)[start..end];
-                let place = match raw.find(text.as_str()) {
-                    Some(offset) if e.span.start < e.span.end => {
-                        Place { source, start: start + offset + e.span.start, end: start + offset + e.span.end }
-                    }
-                    _ => self.item.place,
-                };
-                let message = format!("in the expression of {}: {}", self.name, e.message);
-                ReadError::new(Kind::Expression, place, message, e.help)
-            })?,
+            Value::Text(text) => {
+                Expression::with_profiles(text, &context.constants, &context.fields, &context.profiles).map_err(
+                    |e| {
+                        let Place { source, start, end } = self.item.place;
+                        let raw = &context.source.part(source)[start..end];
+                        let place = match raw.find(text.as_str()) {
+                            Some(offset) if e.span.start < e.span.end => {
+                                Place { source, start: start + offset + e.span.start, end: start + offset + e.span.end }
+                            }
+                            _ => self.item.place,
+                        };
+                        let message = format!("in the expression of {}: {}", self.name, e.message);
+                        ReadError::new(Kind::Expression, place, message, e.help)
+                    },
+                )?
+            }
             _ => return Err(self.wrong_type("a number or an expression in quotes")),
         };
         expression.place = self.item.place;

@@ -36,6 +36,7 @@ mod curves;
 mod sides;
 mod method;
 mod probe;
+mod profiles;
 mod random;
 mod random_field;
 mod grid;
@@ -205,6 +206,9 @@ fn scene(
     let Parameters { values: parameters, uses: parameter_uses } = parameters;
     let of_body = fields.require("body", "a table [body] with corners and sides")?;
     let mut context = Context::new(source, parameters.clone());
+    if let Some(field) = fields.get("profiles") {
+        context.profiles = profiles::profiles(&field, &context)?;
+    }
     let of_outcomes = fields.get("stochastic");
     let asked = Asked::read(of_outcomes.as_ref())?;
     let cavity = fields.get("material").is_none() && fields.get("exterior").is_some();
@@ -238,6 +242,7 @@ fn scene(
     }
     random::check_fields(&problem, &declared)?;
     let mut unused: Vec<String> = declared.iter().map(|(name, _)| name.clone()).filter(|name| !used(name)).collect();
+    unused.extend(context.profiles.keys().filter(|name| !used(name)).cloned());
     unused.extend(unused_parameters(&parameter_uses, &used));
     if declared.is_empty() && fields.get("stochastic").is_some() {
         unused.push(STOCHASTIC.to_owned());

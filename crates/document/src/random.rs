@@ -11,6 +11,7 @@ use super::body::check_name;
 use super::error::ReadError;
 use super::fields::{Context, Field, Fields};
 use super::keys;
+use super::profiles;
 use super::random_field::DeclaredField;
 
 pub(super) const UNIFORM: &str = "uniform";
@@ -48,6 +49,9 @@ pub(super) fn random(
         if context.constants.contains_key(name) {
             let message = format!("{name} is a parameter as well as a random input");
             return Err(ReadError::new(DataErrorKind::Conflict, place, message, "rename one of the two"));
+        }
+        if context.profiles.contains_key(name) {
+            return Err(profiles::twice(name, "random input", place));
         }
         let declared = if Fields::open(&table)?.get("covariance").is_some() {
             context.fields.insert(name.to_owned(), Arc::default());

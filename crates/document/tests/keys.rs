@@ -56,7 +56,9 @@ const MORE: [&str; 8] = [
     [sides.bottom]
     displacement = [0, "free"]
     [sides.top]
-    traction = [0, "f"]
+    traction = [0, "f*rough(s)"]
+    [profiles]
+    rough = { points = [[0, 0], [1, 0.1]] }
     [body_force]
     value = [0, -1]
     [random]
@@ -203,8 +205,8 @@ fn scenes() -> Vec<(String, String)> {
     scenes
 }
 
-/// Scenes whose moduli, or Poisson's ratios, are in a file, and one of seeded ratios.
-fn of_a_file() -> [(String, String); 5] {
+/// Scenes whose moduli, Poisson's ratios or heights are in a file, and one of seeded ratios.
+fn of_a_file() -> [(String, String); 6] {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let label = steklov_io::label("stress", "Young's modulus", &["row", "column"]);
     let young = faer::Mat::from_fn(2, 2, |i, j| 1.0 + (2 * i + j) as f64);
@@ -221,7 +223,9 @@ fn of_a_file() -> [(String, String); 5] {
         MORE[7].replace("[0.1, 0.2] }", "[0.1, 0.2], seed = 2 }"),
         MORE[6].replace("{ uniform = [1, 2] }", "{ image = \"grey.png\", low = 1, high = 6 }"),
         MORE[7].replace("{ uniform = [0.1, 0.2] }", "{ image = \"grey.png\", low = 0.4, high = 0.2 }"),
+        MORE[1].replace("{ points = [[0, 0], [1, 0.1]] }", "{ file = \"rough.csv\" }"),
     ];
+    std::fs::write(folder.join("rough.csv"), "s,height\n0,0\n1,0.1\n").unwrap();
     write_png(&folder.join("grey.png"), png::ColorType::Grayscale, 2, &GREY);
     texts.map(|text| (folder.join("scene.toml").display().to_string(), text))
 }

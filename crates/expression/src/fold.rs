@@ -28,6 +28,8 @@ pub(super) struct Folded {
     pub(super) switches: Vec<Switch>,
     pub(super) fields: Vec<Arc<FieldValue>>,
     pub(super) profiles: Vec<Arc<Profile>>,
+    /// The operand of each profile.
+    pub(super) arguments: Vec<Range<usize>>,
 }
 
 struct Folder<'a> {
@@ -146,6 +148,7 @@ impl Folder<'_> {
         }
         let index = self.out.profiles.len();
         self.out.profiles.push(profile.clone());
+        self.out.arguments.push(start..self.out.ops.len());
         if profile.bends() {
             self.out.switches.push(Switch { left: start..self.out.ops.len(), right: None, profile: Some(index) });
         }

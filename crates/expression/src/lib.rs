@@ -102,6 +102,8 @@ struct Code {
     switches: Vec<Switch>,
     fields: Vec<Arc<FieldValue>>,
     profiles: Vec<Arc<Profile>>,
+    /// The operand of each profile.
+    arguments: Vec<Range<usize>>,
     known: along::Known,
 }
 
@@ -142,9 +144,9 @@ impl Expression {
     }
 
     fn of(read: Arc<Read>, values: Vec<Value>, place: Place) -> Self {
-        let fold::Folded { ops, switches, fields, profiles } = fold::fold(&read.ops, &values);
+        let fold::Folded { ops, switches, fields, profiles, arguments } = fold::fold(&read.ops, &values);
         let (height, known) = (tape::height(&ops), along::Known::default());
-        Self { code: Arc::new(Code { read, values, ops, height, switches, fields, profiles, known }), place }
+        Self { code: Arc::new(Code { read, values, ops, height, switches, fields, profiles, arguments, known }), place }
     }
 
     /// The expression with these values of names, and with its own values of the others, as if its text were read with them.
@@ -167,6 +169,17 @@ impl Expression {
     /// taken is not evaluated; a comparison, `min` or `max` of NaN is NaN.
     pub fn eval(&self, x: f64, y: f64, s: f64) -> f64 {
         self.run_part(0..self.code.ops.len(), (x, y, s))
+    }
+
+    /// A profile that the point (x, y, s) takes beyond its ends: its name, the position, and the ends.
+    pub fn beyond(&self, x: f64, y: f64, s: f64) -> Option<(&str, f64, [f64; 2])> {
+        let Code { profiles, arguments, values, .. } = &*self.code;
+        profiles.iter().zip(arguments).find_map(|(profile, argument)| {
+            let position = self.run_part(argument.clone(), (x, y, s));
+            let is_it = |value: &Value| matches!(value, Value::Profile(own) if Arc::ptr_eq(own, profile));
+            let name = &self.names()[values.iter().position(is_it)?];
+            (position.is_finite() && !profile.reaches(position)).then_some((name.as_str(), position, profile.ends()))
+        })
     }
 
     /// The text as it was written.

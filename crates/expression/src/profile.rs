@@ -57,6 +57,16 @@ pub enum ProfileError {
     },
 }
 
+impl ProfileError {
+    /// The number of the knot that is wrong, from 0.
+    pub fn knot(&self) -> Option<usize> {
+        match self {
+            Self::Count { .. } => None,
+            Self::NotFinite { knot, .. } | Self::NotRising { knot, .. } => Some(*knot),
+        }
+    }
+}
+
 impl Profile {
     /// The profile with these values at rising positions.
     ///
@@ -81,6 +91,16 @@ impl Profile {
         Ok(profile)
     }
 
+    /// The positions of the knots, rising.
+    pub fn positions(&self) -> &[f64] {
+        &self.at
+    }
+
+    /// The values at the knots.
+    pub fn values(&self) -> &[f64] {
+        &self.value
+    }
+
     /// The first and the last position.
     pub fn ends(&self) -> [f64; 2] {
         [self.at[0], self.at[self.at.len() - 1]]
@@ -97,7 +117,7 @@ impl Profile {
     }
 
     /// Whether a position is between the ends, or nearly.
-    fn reaches(&self, t: f64) -> bool {
+    pub(super) fn reaches(&self, t: f64) -> bool {
         let [first, last] = self.ends();
         let beyond = BEYOND * (last - first);
         first - beyond <= t && t <= last + beyond

@@ -9,12 +9,15 @@ use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_coupling::Radiation;
 use steklov_elastic::{Material, Plane};
 use steklov_io::*;
-use steklov_problem::steklov_expression::{Expression, Value};
+use steklov_problem::steklov_expression::{Expression, Profile, Value};
 use steklov_problem::*;
 
 fn expression(text: &str) -> Expression {
     let constants = BTreeMap::from([("load".to_owned(), 0.1 + 0.2), ("unused".to_owned(), 1.0)]);
-    Expression::parse(text, &constants).unwrap()
+    let knots = |values: [f64; 3]| Arc::new(Profile::new(vec![-2.0, 0.1 + 0.2, 2.0], values.to_vec()).unwrap());
+    let profiles = [("rough", knots([0.1, -0.5, 0.25])), ("even", knots([1.0, 0.0, 1.0]))];
+    let profiles = profiles.map(|(name, profile)| (name.to_owned(), profile)).into();
+    Expression::with_profiles(text, &constants, &BTreeMap::new(), &profiles).unwrap()
 }
 
 fn steel() -> Material {
@@ -32,8 +35,8 @@ fn loaded() -> Problem {
     let outline = Polygon::new(rectangle([0.0, 0.0], "", Path::Arc { opening: 0.3 }), vec![]).unwrap();
     let mut problem = Problem::new(outline, Substance::Homogeneous(steel()));
     let friction = Friction::Coulomb(expression("0.2 + 0*load"));
-    problem.touch(0, Contact { gap: expression("0.1*abs(x - 0.5) - load"), friction });
-    problem.sides[1].condition = Condition::Traction([expression("load*y"), expression("-1e-300")]);
+    problem.touch(0, Contact { gap: expression("0.1*abs(x - 0.5) - load + rough(x)"), friction });
+    problem.sides[1].condition = Condition::Traction([expression("load*y + rough(s)*even(y)"), expression("-1e-300")]);
     problem.sides[1].springs = Some(Springs::Normal { normal: expression("3"), tangential: expression("s") });
     let values = [None, Some(expression("x^2"))];
     let traction = Some([expression("sin(pi*x)"), Expression::number(0.0)]);
@@ -163,8 +166,17 @@ fn problems_come_back() {
 
 #[test]
 fn damaged_problems_are_refused() {
-    let numbers =
-        ["expressions/values", "outline/corners", "condition", "springs", "displacement", "traction", "stiffness"];
+    let numbers = [
+        "expressions/values",
+        "outline/corners",
+        "condition",
+        "springs",
+        "displacement",
+        "traction",
+        "stiffness",
+        "expressions/profiles/positions",
+        "expressions/profiles/values",
+    ];
     let material = |k: usize| ["young", "poisson"].map(|name| format!("bodies/{k}/material/{name}"));
     let of_bodies = (0..3).flat_map(material);
     let others =

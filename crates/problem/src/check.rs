@@ -136,7 +136,14 @@ impl Scene {
             short(value),
             expression.text()
         );
+        let beyond = expression.beyond(x, y, s).filter(|_| !value.is_finite()).map(|(name, position, [first, last])| {
+            format!(
+                "the profile {name} reaches from {first} to {last}, and here it is asked at {position}: add knots, or keep its \
+                 argument between them with min and max"
+            )
+        });
         let help = match what {
+            _ if beyond.is_some() => beyond.as_deref().unwrap_or_default(),
             "gap" if value.is_finite() => &format!(
                 "it is too large for a body of diameter {}: more than {GAP:e} times that; for a side that nothing can touch \
                  leave the contact out",

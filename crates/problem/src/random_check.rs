@@ -1,6 +1,6 @@
 //! How the expressions of a scene use its random input.
 
-use steklov_expression::Expression;
+use steklov_expression::{Expression, Value};
 
 use super::check::STIFFNESS;
 use super::medium::DISPLACEMENT_JUMP;
@@ -117,7 +117,9 @@ impl Scene {
             self.parameters.contains_key(name) || random.names.iter().any(|random| random.name() == name)
         };
         for (_, expression) in self.expressions(random) {
-            if let Some(name) = expression.names().iter().find(|name| !known(name)) {
+            let open = expression.names().iter().zip(expression.values());
+            let mut open = open.filter(|(_, value)| !matches!(value, Value::Profile(_))).map(|(name, _)| name);
+            if let Some(name) = open.find(|name| !known(name)) {
                 let message = format!("{:?} uses {name}, which is neither random nor a parameter", expression.text());
                 let help = "add it to random.names, or to the parameters of the scene";
                 return Err(DataError::new(Kind::Conflict, expression.place, message, help));

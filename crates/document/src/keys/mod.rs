@@ -105,6 +105,7 @@ pub(super) static SCENE: Table = table(
         key("material", Form::Table(&MATERIAL), "", "The material of all bodies that have none of their own.")
             .without("each body has its own, or the body is a hole in the medium of `exterior`"),
         key("parameters", Form::Table(&PARAMETERS), "", "Numbers that expressions may use by their names."),
+        key("profiles", Form::Table(&PROFILES), "", "Piecewise linear functions that expressions may use: `NAME(x)`."),
         key(
             "sides",
             OneOf(&[Form::Table(&SIDES), Form::Table(&SIDES_OF_BODIES)]),
@@ -144,6 +145,28 @@ static PARAMETERS: Table = names(
     "Names for use in expressions.",
     ANY,
     "A name of letters, digits and _; the value is a number or an expression of the parameters above it.",
+);
+
+static PROFILES: Table = names(
+    "profiles",
+    "Measured heights, or other functions of one value, by their names.",
+    Form::Table(&PROFILE),
+    "A name of letters, digits and _, for use in expressions as a function of one value: `NAME(x)`, `NAME(s)`.",
+);
+pub(super) static PROFILE: Table = table(
+    "profiles.NAME",
+    "A function with straight lines between its knots, and without values beyond the first and the last one.",
+    &[
+        key(
+            "file",
+            Text,
+            "",
+            "A text file by its path from the folder of the scene, a line for each knot: its position, a comma, semicolon or tab, its value; a line of names may come first.",
+        )
+        .without("required without `points`"),
+        key("points", List(&Point, None), "", "Position and value of each knot, by rising positions.")
+            .without("required without `file`"),
+    ],
 );
 
 pub(super) static SIDES: Table = names(
