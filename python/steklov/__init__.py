@@ -20,11 +20,12 @@ from typing import Any
 from . import _steklov, blocks
 from .errors import BlockError, SceneError, SolveError, SteklovError
 from .result import Quantities, Result
+from .profiles import profile
 from .progress import Progress, told_to
 from .scene import Scene, settings_of, text_of
 from .sweeps import Sweep, sweep
 
-__all__ = ["BlockError", "Quantities", "Result", "SceneError", "SolveError", "SteklovError", "Sweep", "blocks", "plan", "solve", "sweep", "text_of"]
+__all__ = ["BlockError", "Quantities", "Result", "SceneError", "SolveError", "SteklovError", "Sweep", "blocks", "plan", "profile", "solve", "sweep", "text_of"]
 
 
 def solve(scene: Scene, *, progress: Progress = None, client: Any = None, **overrides: Any) -> Result:

@@ -34,7 +34,7 @@ def toml(value: Any, path: str) -> str:
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(toml(entry, f"{path}[{k}]") for k, entry in enumerate(value)) + "]"
     if callable(value):
-        raise TypeError(f"{path} is a function: write an expression of x, y and s in quotes, such as \"0.1*x^2\"")
+        raise TypeError(f"{path} is a function: write an expression of x, y and s in quotes, such as \"0.1*x^2\", or \"f(x)\" with the profile \"f\": steklov.profile(function, start, stop)")
     raise TypeError(f"{path} is {value!r}, a {type(value).__name__}: a scene takes numbers, texts, lists and dictionaries")
 
 

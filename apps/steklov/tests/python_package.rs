@@ -22,7 +22,7 @@ fn the_python_package_gives_what_the_command_gives() {
     std::fs::copy(folder.join("lib_steklov.so"), package.join("_steklov.abi3.so")).unwrap();
     let python = std::env::var_os("STEKLOV_PYTHON").unwrap_or_else(|| root.join("target/python/bin/python").into());
     let tests = root.join("python/tests");
-    let modules = ["steklov/__init__.py", "steklov/blocks.py"];
+    let modules = ["steklov/__init__.py", "steklov/blocks.py", "steklov/profiles.py"];
     let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--doctest-modules"];
     let ran = Command::new(python)
         .args(arguments)

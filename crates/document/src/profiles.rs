@@ -1,4 +1,4 @@
-//! `[profiles]`: piecewise linear functions of one value, from tables or from files with two columns.
+//! `[profiles]`: functions of one value by their values at points, from tables or from files with two columns.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -54,7 +54,20 @@ fn profile(table: &Field<'_>, context: &Context<'_>) -> Result<Profile, ReadErro
         }
     };
     let (at, value) = knots.iter().map(|[at, value]| (*at, *value)).unzip();
-    Profile::new(at, value).map_err(|error| {
+    let smooth = fields.get("smooth").map_or(Ok(false), |field| field.flag())?;
+    let slopes = fields.get("slopes");
+    if let (Some(slopes), true) = (&slopes, smooth || fields.get("file").is_some()) {
+        let message = format!("{} stands beside {}", slopes.name, if smooth { "smooth" } else { "file" });
+        return Err(ReadError::new(DataErrorKind::Conflict, slopes.item.place, message, "keep one of the two"));
+    }
+    let profile = match slopes {
+        Some(slopes) => {
+            Profile::with_slopes(at, value, slopes.list()?.iter().map(Field::point).collect::<Result<_, _>>()?)
+        }
+        None if smooth => Profile::smooth(at, value),
+        None => Profile::new(at, value),
+    };
+    profile.map_err(|error| {
         let stands = error.knot().and_then(|knot| stand.get(knot)).map(|at| format!(" ({at})")).unwrap_or_default();
         let help = format!("a profile takes 2 to {MOST_KNOTS} knots, pairs of finite numbers, by rising positions");
         table.problem(format!("{of}: {error}{stands}"), help)

@@ -21,7 +21,8 @@ const MORE: [&str; 8] = [
     material = { young = 100, poisson = 0.2 }
     sides.rim = { pressure = 1, springs = { tangential = 2 } }
     sides.e.springs = { normal = "1" }
-    sides.a = { contact = { gap = 0.1, friction = { tresca = 1 } } }
+    profiles.rough = { points = [[0, 0], [1, 0.1]], slopes = [[0, 0.1], [0.1, 0]] }
+    sides.a = { contact = { gap = "rough(s)", friction = { tresca = 1 } } }
     probe = { points = [[1.5, 0]], lines = [{ from = [-2, 0], to = [-1.5, 0] }, { from = [-2, 0], to = [-1.5, 0], points = 3 }],
               sides = ["a"] }
     expect.energy = { value = 1.0, tol = 0.1 }
@@ -56,9 +57,7 @@ const MORE: [&str; 8] = [
     [sides.bottom]
     displacement = [0, "free"]
     [sides.top]
-    traction = [0, "f*rough(s)"]
-    [profiles]
-    rough = { points = [[0, 0], [1, 0.1]] }
+    traction = [0, "f"]
     [body_force]
     value = [0, -1]
     [random]
@@ -223,7 +222,10 @@ fn of_a_file() -> [(String, String); 6] {
         MORE[7].replace("[0.1, 0.2] }", "[0.1, 0.2], seed = 2 }"),
         MORE[6].replace("{ uniform = [1, 2] }", "{ image = \"grey.png\", low = 1, high = 6 }"),
         MORE[7].replace("{ uniform = [0.1, 0.2] }", "{ image = \"grey.png\", low = 0.4, high = 0.2 }"),
-        MORE[1].replace("{ points = [[0, 0], [1, 0.1]] }", "{ file = \"rough.csv\" }"),
+        MORE[0].replace(
+            "{ points = [[0, 0], [1, 0.1]], slopes = [[0, 0.1], [0.1, 0]] }",
+            "{ file = \"rough.csv\", smooth = true }",
+        ),
     ];
     std::fs::write(folder.join("rough.csv"), "s,height\n0,0\n1,0.1\n").unwrap();
     write_png(&folder.join("grey.png"), png::ColorType::Grayscale, 2, &GREY);

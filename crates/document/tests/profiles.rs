@@ -43,6 +43,24 @@ fn points_and_files_are_the_same_function() {
 }
 
 #[test]
+fn cubics_have_the_slopes_of_the_scene_or_smooth_ones() {
+    let at = |profile: &str, at: f64| gap(&parse(&block(profile, "rough(x)"), "t", &[]).unwrap(), at);
+    let points = "points = [[0, 0], [0.5, 0.125], [1, 1]]";
+    // x^3
+    let cubic = format!("{{ {points}, slopes = [[0, 0], [0.75, 0.75], [3, 3]] }}");
+    assert!((at(&cubic, 0.2) - 0.008).abs() < 1e-16 && (at(&cubic, 0.8) - 0.512).abs() < 1e-15);
+    // weighted harmonic means of the secants 1/4 and 7/4 inside, parabolas kept from turning at the ends
+    let (inner, [first, last]) = (2.0 / (1.0 / 0.25 + 1.0 / 1.75), [0.0, 2.5]);
+    let smooth = format!("{{ {points}, smooth = true }}");
+    let same = format!("{{ {points}, slopes = [[{first}, {first}], [{inner}, {inner}], [{last}, {last}]] }}");
+    for x in [0.1, 0.3, 0.6, 0.9] {
+        assert!((at(&smooth, x) - at(&same, x)).abs() < 1e-15, "{x}");
+        let straight = format!("{{ {points}, smooth = false }}");
+        assert_eq!(at(&straight, x), at(&format!("{{ {points} }}"), x));
+    }
+}
+
+#[test]
 fn a_profile_that_nothing_uses_is_told() {
     let scene = parse(&block("{ points = [[0, 0], [1, 1]] }", "0"), "t", &[]).unwrap();
     assert_eq!(scene.unused, ["rough", "a"]);
@@ -79,6 +97,10 @@ fn a_wrong_profile_is_refused() {
         ),
         ("{ points = [[0, 0], [1]] }", "profiles.rough.points[1] has 1 entry"),
         ("{ points = [[0, 0], [1, 1]], file = \"a.csv\" }", "has both file and points"),
+        ("{ points = [[0, 0], [1, 1]], slopes = [[0, 0]] }", "1 pairs of slopes for 2 knots"),
+        ("{ points = [[0, 0], [1, 1]], slopes = [[0, 0], [0, 0]], smooth = true }", "stands beside smooth"),
+        ("{ file = \"three.csv\", slopes = [[0, 0]] }", "three.csv: line 1"),
+        ("{ points = [[0, 0], [1, 1]], smooth = 1 }", "profiles.rough.smooth is an integer"),
         ("{}", "has neither file nor points"),
         ("{ pointz = [[0, 0], [1, 1]] }", "unknown key profiles.rough.pointz"),
         ("3", "profiles.rough is an integer"),

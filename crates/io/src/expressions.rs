@@ -6,7 +6,7 @@ use std::sync::Arc;
 use hdf5::Group;
 use steklov_problem::steklov_expression::{Expression, Profile, Value};
 
-use crate::array::{load_integers, load_vector, save_integers, save_vector};
+use crate::array::{load_integers, load_points, load_vector, save_integers, save_points, save_vector};
 use crate::dataset::label;
 use crate::error::{IoError, invalid};
 use crate::persist::{create_group, open_group};
@@ -91,16 +91,18 @@ impl Profiles {
         let at = create_group(at, PROFILES)?;
         let meaning = "number of the profile of each name of expressions, from 1; 0 is none";
         save_integers(&at, "of_names", &self.of_names, &label("1", meaning, &["name"]))?;
-        let (mut first, mut positions, mut values) = (vec![0], Vec::new(), Vec::new());
+        let (mut first, mut positions, mut values, mut slopes) = (vec![0], Vec::new(), Vec::new(), Vec::new());
         for profile in &self.all {
             positions.extend_from_slice(profile.positions());
             values.extend_from_slice(profile.values());
+            slopes.extend_from_slice(profile.slopes());
             first.push(positions.len());
         }
         let meaning = "where the knots of each profile begin among positions and values, and the end";
         save_integers(&at, "first", &first, &label("1", meaning, &["profile"]))?;
         save_vector(&at, "positions", &positions, &label("1", "positions of the knots, rising", &["knot"]))?;
-        save_vector(&at, "values", &values, &label("1", "values at the knots", &["knot"]))
+        save_vector(&at, "values", &values, &label("1", "values at the knots", &["knot"]))?;
+        save_points(&at, "slopes", &slopes, &label("1", "slopes before and behind each knot", &["knot", "side"]))
     }
 
     /// Reads what [`Profiles::save`] wrote; none in a file without them.
@@ -111,14 +113,18 @@ impl Profiles {
         let at = open_group(at, PROFILES)?;
         let (of_names, first) = (load_integers(&at, "of_names")?, load_integers(&at, "first")?);
         let (positions, values) = (load_vector(&at, "positions")?, load_vector(&at, "values")?);
+        let slopes = load_points(&at, "slopes")?;
+        check_length(&at, "slopes", slopes.len(), positions.len())?;
         check_length(&at, "of_names", of_names.len(), names)?;
         check_length(&at, "values", values.len(), positions.len())?;
         let read = |part: &[usize]| {
-            let (Some(positions), Some(values)) = (positions.get(part[0]..part[1]), values.get(part[0]..part[1]))
+            let knots = part[0]..part[1];
+            let (Some(at_knots), Some(values), Some(slopes)) =
+                (positions.get(knots.clone()), values.get(knots.clone()), slopes.get(knots.clone()))
             else {
-                return Err(invalid(&at, "first", format!("no knots {} to {} of {}", part[0], part[1], values.len())));
+                return Err(invalid(&at, "first", format!("no knots {knots:?} of {}", positions.len())));
             };
-            let profile = Profile::new(positions.to_vec(), values.to_vec());
+            let profile = Profile::with_slopes(at_knots.to_vec(), values.to_vec(), slopes.to_vec());
             profile.map(Arc::new).map_err(|e| invalid(&at, "positions", e.to_string()))
         };
         let all = first.windows(2).map(read).collect::<Result<Vec<_>, _>>()?;

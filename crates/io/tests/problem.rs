@@ -15,7 +15,8 @@ use steklov_problem::*;
 fn expression(text: &str) -> Expression {
     let constants = BTreeMap::from([("load".to_owned(), 0.1 + 0.2), ("unused".to_owned(), 1.0)]);
     let knots = |values: [f64; 3]| Arc::new(Profile::new(vec![-2.0, 0.1 + 0.2, 2.0], values.to_vec()).unwrap());
-    let profiles = [("rough", knots([0.1, -0.5, 0.25])), ("even", knots([1.0, 0.0, 1.0]))];
+    let smooth = Arc::new(Profile::smooth(vec![-2.0, 0.0, 0.7, 2.0], vec![0.0, 1.0, -1.0, 1.0 / 3.0]).unwrap());
+    let profiles = [("rough", knots([0.1, -0.5, 0.25])), ("even", smooth)];
     let profiles = profiles.map(|(name, profile)| (name.to_owned(), profile)).into();
     Expression::with_profiles(text, &constants, &BTreeMap::new(), &profiles).unwrap()
 }
@@ -176,6 +177,7 @@ fn damaged_problems_are_refused() {
         "stiffness",
         "expressions/profiles/positions",
         "expressions/profiles/values",
+        "expressions/profiles/slopes",
     ];
     let material = |k: usize| ["young", "poisson"].map(|name| format!("bodies/{k}/material/{name}"));
     let of_bodies = (0..3).flat_map(material);

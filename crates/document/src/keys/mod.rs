@@ -105,7 +105,12 @@ pub(super) static SCENE: Table = table(
         key("material", Form::Table(&MATERIAL), "", "The material of all bodies that have none of their own.")
             .without("each body has its own, or the body is a hole in the medium of `exterior`"),
         key("parameters", Form::Table(&PARAMETERS), "", "Numbers that expressions may use by their names."),
-        key("profiles", Form::Table(&PROFILES), "", "Piecewise linear functions that expressions may use: `NAME(x)`."),
+        key(
+            "profiles",
+            Form::Table(&PROFILES),
+            "",
+            "Functions by their values at points, which expressions may use: `NAME(x)`.",
+        ),
         key(
             "sides",
             OneOf(&[Form::Table(&SIDES), Form::Table(&SIDES_OF_BODIES)]),
@@ -155,7 +160,7 @@ static PROFILES: Table = names(
 );
 pub(super) static PROFILE: Table = table(
     "profiles.NAME",
-    "A function with straight lines between its knots, and without values beyond the first and the last one.",
+    "A continuous function by its values at knots, without values beyond the first and the last one.",
     &[
         key(
             "file",
@@ -166,6 +171,19 @@ pub(super) static PROFILE: Table = table(
         .without("required without `points`"),
         key("points", List(&Point, None), "", "Position and value of each knot, by rising positions.")
             .without("required without `file`"),
+        key(
+            "smooth",
+            Flag,
+            "",
+            "Whether cubics with a continuous slope run between the knots, which rise and fall only where the values do.",
+        )
+        .without("false: straight lines"),
+        key(
+            "slopes",
+            List(&Point, None),
+            "",
+            "Slopes before and behind each knot of `points`, for cubics between them; other slopes on both sides are a kink.",
+        ),
     ],
 );
 
