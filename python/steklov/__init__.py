@@ -23,9 +23,10 @@ from .result import Quantities, Result
 from .profiles import profile
 from .progress import Progress, told_to
 from .scene import Scene, settings_of, text_of
+from .studies import Study, study
 from .sweeps import Sweep, sweep
 
-__all__ = ["BlockError", "Quantities", "Result", "SceneError", "SolveError", "SteklovError", "Sweep", "blocks", "plan", "profile", "solve", "sweep", "text_of"]
+__all__ = ["BlockError", "Quantities", "Result", "SceneError", "SolveError", "SteklovError", "Study", "Sweep", "blocks", "plan", "profile", "solve", "study", "sweep", "text_of"]
 
 
 def solve(scene: Scene, *, progress: Progress = None, client: Any = None, **overrides: Any) -> Result:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
+from pathlib import Path
 from typing import Any, Final, final
 
 from numpy import float64, int64
@@ -32,6 +33,7 @@ __all__ = [
     "prepare",
     "rule",
     "solve",
+    "study",
     "sweep",
     "swept",
     "title",
@@ -46,6 +48,17 @@ def solve(
     text: str, name: str, overrides: Sequence[str], progress: _Progress | None = None, elsewhere: Any | None = None
 ) -> Solved: ...
 def prepare(text: str, name: str, overrides: Sequence[str]) -> Prepared: ...
+def study(
+    text: str,
+    name: str,
+    overrides: Sequence[str],
+    what: str,
+    strategies: Sequence[str],
+    multipliers: Sequence[str],
+    repeat: int = 1,
+    folder: str | PathLike[str] | None = None,
+    progress: _Progress | None = None,
+) -> tuple[str, str, list[tuple[str, str]], list[Path]]: ...
 def sweep(
     text: str,
     name: str,

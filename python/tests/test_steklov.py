@@ -149,14 +149,17 @@ def test_many_solutions_take_no_more_memory():
     assert grown(200) - before < 8 * 1024
 
 
-def test_the_program_of_the_guide_runs(tmp_path, monkeypatch):
+@pytest.mark.parametrize("name", ["python.md", "python-example.md"])
+def test_the_program_of_the_guide_runs(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    page = (ROOT / "docs" / "guide" / "python.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "guide" / name).read_text(encoding="utf-8")
     names = {}
     blocks = re.findall(r"```python\n(.*?)```", page, re.S)
     assert len(blocks) > 3
     for block in blocks:
-        exec(compile(block, "python.md", "exec"), names)
+        exec(compile(block, name, "exec"), names)
+    pictures = list(tmp_path.glob("*.png"))
+    assert len(pictures) >= 3 and all(picture.stat().st_size > 5000 for picture in pictures)
 
 
 @pytest.mark.parametrize("scene", ["07-kirsch", "11-two-walls", "47-circular-inclusion", "43-lining-in-rock", "45-tunnel", "73-round-lining", "34-laminate"])

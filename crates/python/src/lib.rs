@@ -4,6 +4,8 @@
 mod answer;
 mod blocks;
 mod outcomes;
+#[cfg(feature = "hdf5")]
+mod study;
 mod sweep;
 
 use std::num::NonZero;
@@ -227,6 +229,9 @@ mod _steklov {
     const TOGETHER: usize = steklov_model::stochastic::TOGETHER;
     #[pymodule_export]
     use crate::blocks::{Answer, ContactProblem, KarhunenLoeve, Mesh, Operators, Polygon, Steklov, cell_basis, rule};
+    #[cfg(feature = "hdf5")]
+    #[pymodule_export]
+    use crate::study::study;
     #[pymodule_export]
     use crate::sweep::{Swept, sweep, swept};
 }

@@ -6,10 +6,10 @@ use steklov_document::Document;
 use steklov_picture::PictureError;
 use steklov_problem::{DataError, Scene};
 
-use crate::convergence::Chosen;
+use crate::convergence::{Chosen, strategies as strategies_of};
 use crate::settings::{Setting, settings};
 use crate::stability::Beside;
-use crate::{Report, StudyError, Watch};
+use crate::{Report, StudyError, Watch, contact_sides};
 use crate::{convergence, coupling, inf_sup, multiscale, solvers, stability, stochastic};
 
 /// A study.
@@ -120,6 +120,34 @@ impl StudyKind {
             }
         }
         document.scene.check()
+    }
+
+    /// Its options for a scene: the strategies and the multipliers of these names, all strategies if there are none, and
+    /// the scene's own multipliers.
+    ///
+    /// # Errors
+    /// [`StudyError::OnGrid`], [`StudyError::NoContact`], and [`StudyError::Misplaced`] of names for another study.
+    pub fn options<S: AsRef<str>>(
+        self,
+        scene: &Scene,
+        strategies: &[S],
+        multipliers: &[S],
+    ) -> Result<Options, StudyError> {
+        let is_of_convergence = self == Self::Convergence;
+        for (option, names) in [("strategies", strategies), ("multipliers", multipliers)] {
+            if !is_of_convergence && !names.is_empty() {
+                return Err(StudyError::Misplaced { option, study: Self::Convergence.word(), other: self.word() });
+            }
+        }
+        if scene.is_on_grid() && (is_of_convergence || self == Self::Stability) {
+            let other = if scene.problem.medium().is_some() { Self::Coupling } else { Self::Multiscale };
+            return Err(StudyError::OnGrid { model: scene.model().word(), other: other.word() });
+        }
+        if !multipliers.is_empty() && contact_sides(scene).is_empty() {
+            return Err(StudyError::NoContact);
+        }
+        let chosen = if is_of_convergence { strategies_of(scene, strategies, multipliers) } else { Vec::new() };
+        Ok(Options { strategies: chosen, repeat: 1, ..Options::default() })
     }
 
     /// Number of parts that it reports for a scene.

@@ -1,16 +1,19 @@
 //! The results of a study as plain data, the source of its JSON object, HDF5 file, CSV tables and printed text.
 
+use std::path::{Path, PathBuf};
+
 use serde_json::{Map, Value, json};
 use steklov_bem_operators::Mesh;
 use steklov_document::Source;
 use steklov_io::{
-    File, Group, IoError, Label, create_group, save, save_integers, save_number, save_points, save_text, save_texts,
-    save_vector, write_integer_attribute, write_text_attribute,
+    File, Group, IoError, Label, create_atomically, create_group, save, save_integers, save_number, save_points,
+    save_text, save_texts, save_vector, write_integer_attribute, write_text_attribute,
 };
 use steklov_problem::Scene;
 
-use crate::show;
+use crate::kind::Draw;
 use crate::table::Table;
+use crate::{StudyError, show};
 
 /// The results of a study.
 pub struct Report<'a> {
@@ -196,6 +199,24 @@ impl Report<'_> {
         let meaning = "the JSON object of study --json, without its list of files";
         save_text(file, "summary", &self.json().to_string(), meaning)?;
         keep(file, &self.parts)
+    }
+
+    /// Writes the HDF5 file `name.h5`, the tables and the pictures into a folder, over older ones, and returns the files.
+    ///
+    /// # Errors
+    /// When one of them cannot be written: [`StudyError::Io`], [`StudyError::Write`], [`StudyError::Picture`].
+    pub fn store(&self, folder: &Path, name: &str, pictures: Draw<'_>) -> Result<Vec<PathBuf>, StudyError> {
+        let failed = |source| StudyError::Write { folder: folder.to_owned(), source };
+        std::fs::create_dir_all(folder).map_err(failed)?;
+        let mut files = vec![folder.join(format!("{name}.h5"))];
+        create_atomically(&files[0], true, |file| self.write(file))?;
+        for (table, content) in &self.tables {
+            let path = folder.join(table);
+            steklov_picture::replace(folder, &path, content.as_bytes()).map_err(failed)?;
+            files.push(path);
+        }
+        files.extend(pictures(folder)?);
+        Ok(files)
     }
 
     /// The printed text.

@@ -9,13 +9,11 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use steklov_document::Document;
-use steklov_io::{IoError, create_atomically};
-use steklov_picture as picture;
+use steklov_io::IoError;
 use steklov_plan::{plan, too_many_dofs};
-use steklov_problem::{DataError, Scene};
 use steklov_report::format::csv_table;
-use steklov_study::convergence::{self, Chosen, MULTIPLIERS, NAMES};
-use steklov_study::{Draw, Options, Report, StudyError, StudyKind, Watch, contact_sides, stability};
+use steklov_study::convergence::{MULTIPLIERS, NAMES};
+use steklov_study::{Draw, Options, Report, StudyError, StudyKind, Watch, stability};
 
 use super::told::TableFormat;
 use super::{Failure, NOT_REACHED, STEP, explained, interrupts, read_scene, say, stem};
@@ -82,16 +80,11 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
     check_options(args)?;
     let document = document(args)?;
     let scene = &document.scene;
-    let mut options = Options { repeat: usize::from(args.repeat), steps: args.steps.clone(), ..Options::default() };
-    if matches!(args.what, StudyKind::Convergence | StudyKind::Stability) {
-        boundary_only(scene)?;
-    }
-    match args.what {
-        StudyKind::Convergence => options.strategies = strategies(args, scene)?,
-        StudyKind::Stability => {
-            options.beside = args.beside.as_deref().map_or(Ok(Vec::new()), stability::read_beside)?
-        }
-        _ => {}
+    let mut options =
+        args.what.options(scene, &args.strategies, &args.multipliers).map_err(|e| failure(&document, e))?;
+    (options.repeat, options.steps) = (usize::from(args.repeat), args.steps.clone());
+    if args.what == StudyKind::Stability {
+        options.beside = args.beside.as_deref().map_or(Ok(Vec::new()), stability::read_beside)?;
     }
     carry_out(args, &document, options)
 }
@@ -120,64 +113,31 @@ fn document(args: &StudyArgs) -> Result<Document, Failure> {
     Ok(document)
 }
 
-/// Studies of boundary elements are not of bodies on grids.
-fn boundary_only(scene: &Scene) -> Result<(), Failure> {
-    if !scene.is_on_grid() {
-        return Ok(());
+/// What a study refuses, at its place in the scene where it has one.
+fn failure(document: &Document, error: StudyError) -> Failure {
+    match error {
+        StudyError::Data(error) => Failure(document.error(error).render()),
+        StudyError::Solve(error) => explained(document, error),
+        error => Failure(format!("error: {error}")),
     }
-    let other = if scene.problem.medium().is_some() { "coupling" } else { "multiscale" };
-    let message = format!(
-        "error: the model of the scene is \"{}\", and this study is of boundary elements: take --what {other}, or \
-         --set 'method.model=\"bem\"' if the body is of one material",
-        scene.model().word()
-    );
-    Err(Failure(message))
-}
-
-/// The strategies to compare, each with every multiplier.
-fn strategies(args: &StudyArgs, scene: &Scene) -> Result<Vec<Chosen>, Failure> {
-    if !args.multipliers.is_empty() && contact_sides(scene).is_empty() {
-        return Err(Failure("error: --multipliers compares multipliers of contact, and no side of the scene is in contact: leave it out".into()));
-    }
-    Ok(convergence::strategies(scene, &args.strategies, &args.multipliers))
 }
 
 /// Studies, stores and tells the report, and draws the pictures.
 fn carry_out(args: &StudyArgs, document: &Document, options: Options) -> Result<u8, Failure> {
-    let refused = |error: DataError| Failure(document.error(error).render());
-    let parts = args.what.parts(&document.scene, &options).map_err(refused)?;
+    let parts = args.what.parts(&document.scene, &options).map_err(|error| failure(document, error.into()))?;
     let out = folder(args, document)?;
     let stop = interrupts(args.quiet, STEP)?;
     let bar = Bar::new(args.quiet, parts);
     let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
     let told = |report: &Report<'_>, pictures: Draw<'_>| {
         bar.show("files", "");
-        let files = store(&out, args.what.file_name(), report, pictures)?;
+        let files = report.store(&out, args.what.file_name(), pictures).map_err(|error| failure(document, error))?;
         bar.finish();
         say_report(args, report, &files, &out)?;
         Ok(if report.complete { 0 } else { NOT_REACHED })
     };
     let studied = args.what.carry_out(document, options, &mut Watch::new(&stop, tell), told);
-    studied.map_err(|error| match error {
-        StudyError::Data(error) => refused(error),
-        StudyError::Solve(error) => explained(document, error),
-        error => error.into(),
-    })?
-}
-
-/// Writes the HDF5 file, the tables and the pictures of a study into a folder; returns the files.
-fn store(out: &Path, name: &str, report: &Report<'_>, pictures: Draw<'_>) -> Result<Vec<PathBuf>, Failure> {
-    let failed = |e: std::io::Error| not_written(out, &e);
-    std::fs::create_dir_all(out).map_err(failed)?;
-    let mut files = vec![out.join(format!("{name}.h5"))];
-    create_atomically(&files[0], true, |file| report.write(file))?;
-    for (table, content) in &report.tables {
-        let path = out.join(table);
-        picture::replace(out, &path, content.as_bytes()).map_err(failed)?;
-        files.push(path);
-    }
-    files.extend(pictures(out)?);
-    Ok(files)
+    studied.map_err(|error| failure(document, error))?
 }
 
 /// Prints a report: as one JSON object, as tables of a document under their names, or as text.
