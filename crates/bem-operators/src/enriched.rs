@@ -1,6 +1,7 @@
 //! The Steklov-Poincaré matrix of the enriched spaces, by blocks on top of that of the base.
 
-use faer::{Col, Mat};
+use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
+use faer::{Col, Mat, Par};
 use steklov_algebra::{Image, add_product, cholesky, dot, solve_lower};
 use steklov_elastic::Material;
 
@@ -15,7 +16,11 @@ use crate::{BemError, Bubbles, Enrichment, Mesh, PairCache, Space, TractionMap};
 ///      [ Cᵀ + X_xxᵀX_xb       D + X_xxᵀX_xx ]      D = W_xx + X_bxᵀX_bx
 /// ```
 /// and for a displacement u of the base with traction ψ = V⁻¹Hu the Galerkin residuals of the extra functions are
-/// ⟨(K+½)u - Vψ, P_p⟩ = L_xx X_xb u and ⟨Wu + (K'+½)ψ, b⟩ = Cᵀu.
+/// ⟨(K+½)u - Vψ, P_p⟩ = L_xx X_xb u and ⟨Wu + (K'+½)ψ, b⟩ = Cᵀu. The tractions of the enriched spaces, V₊ψ₊ = H₊u₊, are
+///
+/// ```text
+/// ψ_x = L_xx⁻ᵀ (X_xb u_b + X_xx u_x)         ψ_b = L⁻ᵀ (X_bb u_b + X_bx u_x - L_xbᵀψ_x)
+/// ```
 ///
 /// Source: Heuer, Mellado and Stephan (2001), two-level hp boundary elements.
 #[derive(Debug, Clone)]
@@ -30,16 +35,20 @@ pub struct EnrichedSteklov {
     coupling: Mat<f64>,
     /// D, n×n.
     bubble: Mat<f64>,
+    /// L_xbᵀ, N×n.
+    mixed: Mat<f64>,
+    /// X_bx, N×n.
+    of_bubble: Mat<f64>,
     /// 2×2 blocks of V and W on the diagonal, one for each element.
     blocks: Vec<[[[f64; 2]; 2]; 2]>,
 }
 
-/// A vector of the enriched displacement space.
+/// A vector of the enriched displacement space, or of that of tractions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Enriched {
-    /// Nodal values, N entries.
+    /// Nodal values, N entries; of tractions Legendre coefficients.
     pub base: Vec<f64>,
-    /// Coefficients of the bubbles, n entries.
+    /// Coefficients of the bubbles, n entries; of tractions those of the top degree.
     pub extra: Vec<f64>,
 }
 
@@ -48,7 +57,7 @@ impl EnrichedSteklov {
     /// `material`, `length` and `cache`, which have become `traction`. If the displacement is bounded at infinity, the extra
     /// tractions, which have no resultant, are made V-orthogonal to the base tractions without resultant.
     ///
-    /// Cost: 6 N²n multiplications and additions for N unknowns and n extra ones; 4 Nn + 3 n² doubles.
+    /// Cost: 6 N²n multiplications and additions for N unknowns and n extra ones; 5 Nn + 3 n² doubles.
     /// # Errors
     /// [`BemError::SingleLayerIndefinite`] when V₊ has no Cholesky factor; as [`Enrichment::assemble`].
     pub fn new(
@@ -74,6 +83,8 @@ struct Layers {
     factor: Mat<f64>,
     top: Mat<f64>,
     corner: Mat<f64>,
+    /// L_xbᵀ, N×n.
+    mixed: Mat<f64>,
     /// X_bx, N×n.
     x_bubble: Mat<f64>,
     /// Its image.
@@ -114,21 +125,20 @@ impl Layers {
         cholesky(factor.as_mut()).map_err(|none| none.or(indefinite))?;
         let of_top = add_product(top.as_mut(), y.transpose(), x, -1.0, of_x)?;
         let of_corner = add_product(corner.as_mut(), y.transpose(), x_bubble.as_ref(), -1.0, of_bubble.as_ref())?;
-        drop(y);
         solve_lower(factor.as_ref(), top.as_mut(), Some(&of_top))?;
         solve_lower(factor.as_ref(), corner.as_mut(), Some(&of_corner))?;
-        Ok(Self { factor, top, corner, x_bubble, of_bubble, blocks })
+        Ok(Self { factor, top, corner, mixed: y, x_bubble, of_bubble, blocks })
     }
 
     /// Works in the storage of the blocks of W.
     fn with(self, bubbles: Bubbles, traction: &TractionMap) -> Result<EnrichedSteklov, BemError> {
-        let Self { factor, top, corner, x_bubble, of_bubble, blocks } = self;
+        let Self { factor, top, corner, mixed, x_bubble, of_bubble, blocks } = self;
         let Bubbles { w: mut coupling, w_corner: mut bubble } = bubbles;
         let blocks = blocks.into_iter().zip(diagonal_blocks(&bubble)).map(|(v, w)| [v, w]).collect();
         let (_, x, _) = traction.factors();
         add_product(coupling.as_mut(), x.transpose(), x_bubble.as_ref(), 1.0, of_bubble.as_ref())?;
         add_product(bubble.as_mut(), x_bubble.transpose(), x_bubble.as_ref(), 1.0, of_bubble.as_ref())?;
-        Ok(EnrichedSteklov { factor, top, corner, coupling, bubble, blocks })
+        Ok(EnrichedSteklov { factor, top, corner, coupling, bubble, mixed, of_bubble: x_bubble, blocks })
     }
 }
 
@@ -167,6 +177,17 @@ impl EnrichedSteklov {
         let base = column(base_force) + &self.coupling * &x + self.top.transpose() * &y;
         let extra = self.coupling.transpose() * &b + &self.bubble * &x + self.corner.transpose() * &y;
         Enriched { base: values(&base), extra: values(&extra) }
+    }
+
+    /// Coefficients of the tractions ψ₊ of an enriched displacement; `of_base` maps those of the base.
+    pub fn traction(&self, of_base: &TractionMap, u: &Enriched) -> Enriched {
+        let (b, x) = (column(&u.base), column(&u.extra));
+        let mut top = &self.top * &b + &self.corner * &x;
+        solve_upper_triangular_in_place(self.factor.transpose(), top.as_mat_mut(), Par::Seq);
+        let correction = &self.of_bubble * &x - &self.mixed * &top;
+        let sign = if of_base.domain().is_exterior() { -1.0 } else { 1.0 };
+        let base = of_base.with_correction(&u.base, &values(&correction));
+        Enriched { base, extra: top.iter().map(|t| sign * t).collect() }
     }
 
     /// ⟨V P_p e_i, P_p e_j⟩ of element e.

@@ -313,8 +313,14 @@ impl TractionMap {
 
     /// Legendre coefficients of the traction t = σ(u)n of a nodal displacement, interleaved as [`crate::Space`] says.
     pub fn apply(&self, displacement: &[f64]) -> Vec<f64> {
+        self.with_correction(displacement, &[])
+    }
+
+    /// The same of L⁻¹H u with a correction, or without one.
+    pub(crate) fn with_correction(&self, displacement: &[f64], correction: &[f64]) -> Vec<f64> {
         let u = Col::from_fn(displacement.len(), |i| displacement[i]);
         let mut t = &self.parts.solved * &u;
+        correction.iter().enumerate().for_each(|(i, c)| t[i] += c);
         if self.parts.domain.is_exterior() {
             t *= -1.0;
         }

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use steklov_bem_operators::{
-    Bubbles, Domain, Enriched, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache, Polygon, Space, Steklov,
+    Bubbles, Domain, Enriched, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache, Polygon, Raised, Space, Steklov,
 };
 use steklov_elastic::{Material, Plane};
 use steklov_quadrature::legendre_p;
@@ -154,6 +154,23 @@ fn the_enriched_stiffness_is_that_of_one_degree_more() {
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             assert!((block[i][j] - s[(n + 2 * e + i, n + 2 * e + j)]).abs() < 1e-12 * scale);
         }
+    }
+    // tractions of the enriched spaces are those of one degree more
+    let v = Enriched {
+        base: (0..n).map(|i| (0.7 * i as f64).sin()).collect(),
+        extra: (n..s.ncols()).map(|i| (1.3 * i as f64).cos()).collect(),
+    };
+    let found = Raised::new(&mesh, &space, &v, &enriched.traction(&steklov.traction, &v));
+    let all: Vec<f64> = v.base.iter().chain(&v.extra).copied().collect();
+    let nodal: Vec<f64> = (0..raised.dofs()).map(|i| (0..all.len()).map(|j| t[(i, j)] * all[j]).sum()).collect();
+    let expected = whole.traction.apply(&nodal);
+    let size = expected.iter().fold(0.0f64, |m, r| m.max(r.abs()));
+    assert_eq!((&found.mesh.degree, &found.space.offset), (&raised_mesh.degree, &raised.offset));
+    for (found, expected) in found.displacement.iter().zip(&nodal) {
+        assert!((found - expected).abs() < 1e-13, "{found} {expected}");
+    }
+    for (found, expected) in found.traction.iter().zip(&expected) {
+        assert!((found - expected).abs() < 1e-11 * size, "{found} {expected} of {size}");
     }
     // the residuals of the extra functions, from the raised operators themselves
     let u: Vec<f64> = (0..n).map(|i| (1.7 * i as f64).sin()).collect();
