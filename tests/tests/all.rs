@@ -17,6 +17,7 @@ mod curves;
 mod drawn_bodies;
 mod drawn_fields;
 mod edges;
+mod error_bars;
 mod estimators;
 mod followed_fields;
 mod grid_contact;

@@ -15,7 +15,7 @@ fn sorted(list: &str) -> Vec<&str> {
 }
 
 const KEYS: &str = "title model file converged reason failure dofs steps energy energy_extrapolated energy_uncertainty \
-                    strain_energy load_work friction_work estimate estimate_relative estimate_doubts iterations contact audit reactions probe infinite_stress stochastic seconds \
+                    strain_energy load_work friction_work estimate estimate_relative estimate_doubts quantities iterations contact audit reactions probe infinite_stress stochastic seconds \
                     peak_memory_bytes";
 
 /// Every key, its type, and what must hold between the numbers.

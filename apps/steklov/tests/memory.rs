@@ -42,7 +42,7 @@ fn an_adaptive_run_takes_35_bytes_for_each_pair_of_unknowns() {
     }
 }
 
-/// Matrices of 3n² + 3nx + 3x² numbers, x of the bubbles: of degree 1 n = x.
+/// Matrices of 3n² + 5nx + 3x² numbers for a scene with points, x of the bubbles: of degree 1 n = x.
 #[test]
 fn where_memory_ends_a_run_it_says_so() {
     let text = crate::place::BLOCK.replace("refine = \"none\"", "refine = \"uniform-h\"\ntolerance = 1e-9");
@@ -51,7 +51,7 @@ fn where_memory_ends_a_run_it_says_so() {
         let run = run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
         (run.reason, run.step().dofs, run.progress.lack(scene).map(steklov_plan::without_memory))
     };
-    for (memory, dofs) in [(9 * 8 * 64 * 64, 64), (9 * 8 * 64 * 64 - 1, 32)] {
+    for (memory, dofs) in [(11 * 8 * 64 * 64, 64), (11 * 8 * 64 * 64 - 1, 32)] {
         scene.method.memory = Some(memory);
         let (reason, last, told) = ended(&scene);
         assert_eq!((reason, last), (Reason::MaxDofs, dofs));

@@ -35,10 +35,8 @@ pub struct EnrichedSteklov {
     coupling: Mat<f64>,
     /// D, n×n.
     bubble: Mat<f64>,
-    /// L_xbᵀ, N×n.
-    mixed: Mat<f64>,
-    /// X_bx, N×n.
-    of_bubble: Mat<f64>,
+    /// L_xbᵀ and X_bx, N×n, which tractions need.
+    of_tractions: Option<[Mat<f64>; 2]>,
     /// 2×2 blocks of V and W on the diagonal, one for each element.
     blocks: Vec<[[[f64; 2]; 2]; 2]>,
 }
@@ -57,7 +55,9 @@ impl EnrichedSteklov {
     /// `material`, `length` and `cache`, which have become `traction`. If the displacement is bounded at infinity, the extra
     /// tractions, which have no resultant, are made V-orthogonal to the base tractions without resultant.
     ///
-    /// Cost: 6 N²n multiplications and additions for N unknowns and n extra ones; 5 Nn + 3 n² doubles.
+    /// `with_tractions`: [`EnrichedSteklov::traction`] is wanted.
+    ///
+    /// Cost: 6 N²n multiplications and additions for N unknowns and n extra ones; 4 Nn + 3 n² doubles, with tractions Nn more.
     /// # Errors
     /// [`BemError::SingleLayerIndefinite`] when V₊ has no Cholesky factor; as [`Enrichment::assemble`].
     pub fn new(
@@ -67,9 +67,10 @@ impl EnrichedSteklov {
         length: f64,
         traction: &TractionMap,
         cache: &mut PairCache,
+        with_tractions: bool,
     ) -> Result<Self, BemError> {
         let (enrichment, bubbles) = Enrichment::assemble(mesh, space, material, length, cache)?;
-        let layers = Layers::new(enrichment, traction, [length, mesh.diameter()])?;
+        let layers = Layers::new(enrichment, traction, [length, mesh.diameter()], with_tractions)?;
         let bubbles = match bubbles {
             Some(bubbles) => bubbles,
             None => Bubbles::assemble(mesh, space, material, length, cache)?,
@@ -83,8 +84,8 @@ struct Layers {
     factor: Mat<f64>,
     top: Mat<f64>,
     corner: Mat<f64>,
-    /// L_xbᵀ, N×n.
-    mixed: Mat<f64>,
+    /// L_xbᵀ, N×n, if it is wanted.
+    mixed: Option<Mat<f64>>,
     /// X_bx, N×n.
     x_bubble: Mat<f64>,
     /// Its image.
@@ -95,7 +96,12 @@ struct Layers {
 
 impl Layers {
     /// Builds the layers in the storage of the enrichment.
-    fn new(enrichment: Enrichment, traction: &TractionMap, [length, diameter]: [f64; 2]) -> Result<Self, BemError> {
+    fn new(
+        enrichment: Enrichment,
+        traction: &TractionMap,
+        [length, diameter]: [f64; 2],
+        with_tractions: bool,
+    ) -> Result<Self, BemError> {
         let (l, x, of_x) = traction.factors();
         let n = x.nrows();
         let Enrichment {
@@ -125,9 +131,10 @@ impl Layers {
         cholesky(factor.as_mut()).map_err(|none| none.or(indefinite))?;
         let of_top = add_product(top.as_mut(), y.transpose(), x, -1.0, of_x)?;
         let of_corner = add_product(corner.as_mut(), y.transpose(), x_bubble.as_ref(), -1.0, of_bubble.as_ref())?;
+        let mixed = with_tractions.then_some(y);
         solve_lower(factor.as_ref(), top.as_mut(), Some(&of_top))?;
         solve_lower(factor.as_ref(), corner.as_mut(), Some(&of_corner))?;
-        Ok(Self { factor, top, corner, mixed: y, x_bubble, of_bubble, blocks })
+        Ok(Self { factor, top, corner, mixed, x_bubble, of_bubble, blocks })
     }
 
     /// Works in the storage of the blocks of W.
@@ -138,7 +145,8 @@ impl Layers {
         let (_, x, _) = traction.factors();
         add_product(coupling.as_mut(), x.transpose(), x_bubble.as_ref(), 1.0, of_bubble.as_ref())?;
         add_product(bubble.as_mut(), x_bubble.transpose(), x_bubble.as_ref(), 1.0, of_bubble.as_ref())?;
-        Ok(EnrichedSteklov { factor, top, corner, coupling, bubble, mixed, of_bubble: x_bubble, blocks })
+        let of_tractions = mixed.map(|mixed| [mixed, x_bubble]);
+        Ok(EnrichedSteklov { factor, top, corner, coupling, bubble, of_tractions, blocks })
     }
 }
 
@@ -179,15 +187,16 @@ impl EnrichedSteklov {
         Enriched { base: values(&base), extra: values(&extra) }
     }
 
-    /// Coefficients of the tractions ψ₊ of an enriched displacement; `of_base` maps those of the base.
-    pub fn traction(&self, of_base: &TractionMap, u: &Enriched) -> Enriched {
+    /// Coefficients of the tractions ψ₊ of an enriched displacement; `of_base` maps those of the base. None if they were not wanted.
+    pub fn traction(&self, of_base: &TractionMap, u: &Enriched) -> Option<Enriched> {
+        let [mixed, of_bubble] = self.of_tractions.as_ref()?;
         let (b, x) = (column(&u.base), column(&u.extra));
         let mut top = &self.top * &b + &self.corner * &x;
         solve_upper_triangular_in_place(self.factor.transpose(), top.as_mat_mut(), Par::Seq);
-        let correction = &self.of_bubble * &x - &self.mixed * &top;
+        let correction = of_bubble * &x - mixed * &top;
         let sign = if of_base.domain().is_exterior() { -1.0 } else { 1.0 };
         let base = of_base.with_correction(&u.base, &values(&correction));
-        Enriched { base, extra: top.iter().map(|t| sign * t).collect() }
+        Some(Enriched { base, extra: top.iter().map(|t| sign * t).collect() })
     }
 
     /// ⟨V P_p e_i, P_p e_j⟩ of element e.

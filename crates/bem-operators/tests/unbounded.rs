@@ -222,7 +222,7 @@ proptest! {
         let base = Operators::to_enrich(&mesh, &space, &material, None, &mut cache).unwrap();
         let length = base.length;
         let steklov = Steklov::new(base, domain).expect("S");
-        let enriched = EnrichedSteklov::new(&mesh, &space, &material, length, &steklov.traction, &mut cache).unwrap();
+        let enriched = EnrichedSteklov::new(&mesh, &space, &material, length, &steklov.traction, &mut cache, false).unwrap();
         let field = |x: [f64; 2]| [x[0] * x[1] + 0.3, (x[0] - 2.0 * x[1]).cos()];
         let u = space.interpolate(field);
         // the same function on the raised mesh

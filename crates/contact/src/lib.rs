@@ -59,7 +59,7 @@ pub use {faer, steklov_algebra, steklov_bem_operators};
 
 pub use error::ContactError;
 pub use on_mesh::boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Row, Share, Transfer};
-pub use on_mesh::bubbles::{ContactBubble, contact_bubbles, oscillation};
+pub use on_mesh::bubbles::{ContactBubble, contact_bubbles, missed, oscillation};
 pub use on_mesh::conditions::contact_boundary;
 pub use on_mesh::decided::{Decided, Least, decided};
 pub use on_mesh::inf_sup::{InfSup, dual_form, inf_sup};

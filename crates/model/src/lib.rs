@@ -34,6 +34,7 @@ pub mod estimators;
 pub mod grid;
 pub mod mesh;
 pub mod numbers;
+pub mod quantities;
 pub mod refine;
 pub mod run;
 pub mod solve;

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 /// Parts of the object that are no quantities of an answer.
-const LEFT_OUT: [&str; 11] = [
+const LEFT_OUT: [&str; 12] = [
     "probe_lines",
     "probe_sides",
     "expect",
@@ -15,6 +15,8 @@ const LEFT_OUT: [&str; 11] = [
     "sides",
     "seconds",
     "peak_memory_bytes",
+    // of a quantity: it is told at its own path
+    "value",
 ];
 
 /// Paths and values of the numbers of the JSON object of a result, a flag being 0 or 1; without what was asked for, long lists, seconds

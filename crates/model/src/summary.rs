@@ -7,6 +7,7 @@ use steklov_problem::Units;
 
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
+use crate::quantities::Quantities;
 
 /// A result in numbers. Lengths, stresses and forces per thickness in the units of the scene.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -56,6 +57,9 @@ pub struct Summary {
     /// Why the estimate is not to be trusted, the words of [`Doubt`]; empty if it is.
     #[serde(default)]
     pub estimate_doubts: Vec<String>,
+    /// Quantities with their error bars, by their paths.
+    #[serde(default, skip_serializing_if = "Quantities::is_empty")]
+    pub quantities: Quantities,
     /// Residual estimators; left out unless requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimators: Option<Estimators>,

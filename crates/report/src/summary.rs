@@ -43,6 +43,9 @@ fn usual(value: f64) -> String {
     plain(value, DIGITS)
 }
 
+/// Digits of an uncertainty.
+const DIGITS_OF_BARS: usize = 2;
+
 /// A number that is at most `largest`.
 fn part(value: f64, largest: f64) -> String {
     usual(beside(value, largest))
@@ -59,6 +62,19 @@ fn vector_beside<const N: usize>(components: [f64; N], largest: f64) -> String {
     format!("({})", components.map(|c| part(c, largest)).join(", "))
 }
 
+/// The same with the uncertainties that are known, and the digits that these leave.
+fn with_bars<const N: usize>(components: [f64; N], uncertainties: [Option<f64>; N], largest: f64) -> String {
+    let largest = components.iter().fold(largest, |largest, c| largest.max(c.abs()));
+    let told = components.iter().zip(uncertainties).map(|(&value, uncertainty)| match uncertainty {
+        Some(bar) if bar > 0.0 => {
+            let value = if value.abs() < bar { 0.0 } else { value };
+            format!("{} ± {}", plain(value, digits(value, bar)), plain(bar, DIGITS_OF_BARS))
+        }
+        _ => part(value, largest),
+    });
+    format!("({})", told.collect::<Vec<_>>().join(", "))
+}
+
 /// The lines of a result.
 pub fn lines(stored: &Record) -> Vec<String> {
     let s = &stored.summary;
@@ -66,7 +82,10 @@ pub fn lines(stored: &Record) -> Vec<String> {
     solved(stored, &mut lines);
     let largest = s.reactions.values().flatten().fold(0.0, |largest: f64, force| largest.max(force.abs()));
     for (side, force) in &s.reactions {
-        lines.say("reaction", format!("{side}: {}", vector_beside(*force, largest)));
+        let uncertainty =
+            |component: &str| Some(s.quantities.get(&format!("reactions.{side}.{component}"))?.uncertainty);
+        let uncertainties = ["x", "y"].map(uncertainty);
+        lines.say("reaction", format!("{side}: {}", with_bars(*force, uncertainties, largest)));
     }
     if let Some(c) = &s.contact {
         contact(stored, c, &mut lines);
@@ -213,11 +232,14 @@ fn stress(stored: &Record, lines: &mut Lines) {
 fn probes(stored: &Record, lines: &mut Lines) {
     let s = &stored.summary;
     let largest = stored.displacement.as_flattened().iter().fold(0.0, |largest: f64, u| largest.max(u.abs()));
-    for p in &s.probe {
-        let ([x, y], u) = (p.point, vector_beside(p.displacement, largest));
+    for (k, p) in s.probe.iter().enumerate() {
+        let uncertainty = |name: &str| Some(s.quantities.get(&format!("probe.{k}.{name}"))?.uncertainty);
+        let of_displacement = ["displacement.x", "displacement.y"].map(uncertainty);
+        let ([x, y], u) = (p.point, with_bars(p.displacement, of_displacement, largest));
+        let of_stress = ["stress.xx", "stress.yy", "stress.xy"].map(uncertainty);
         let stress = match p.stress_unbounded {
             true => "stress unbounded: infinite at this vertex, whatever the mesh".to_owned(),
-            false => format!("stress = {}", vector(p.stress)),
+            false => format!("stress = {}", with_bars(p.stress, of_stress, 0.0)),
         };
         lines.say("probe", format!("({x}, {y}): u = {u}, {stress}"));
     }

@@ -7,8 +7,9 @@ use faer::Mat;
 use steklov_bem_operators::Mesh;
 use steklov_contact::{Located, Tip, TipKind};
 use steklov_io::{
-    File, Group, IoError, create_group, invalid, label, load, load_dense, load_integers, load_number, load_texts,
-    load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
+    File, Group, IoError, create_group, invalid, label, load, load_dense, load_integers, load_number, load_points,
+    load_texts, load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_points,
+    save_texts, save_vector,
 };
 use steklov_model::doubt::Doubt;
 use steklov_model::estimate::error_estimate::{Bubble, Estimate};
@@ -103,6 +104,10 @@ fn save_estimate(at: &Group, estimate: &Estimate) -> Result<(), IoError> {
     save_vector(at, "estimate_terms", &terms, &label("as named", "what belongs to the estimate", &[ESTIMATE_TERMS]))?;
     let doubts: Vec<String> = estimate.doubts.iter().map(|d| d.word().to_owned()).collect();
     save_texts(at, "doubts", &doubts, "why the estimate is not reliable", "doubt")?;
+    if !estimate.quantities.is_empty() {
+        let meaning = "values of quantities, and those of the spaces of one degree more";
+        save_points(at, "quantities", &estimate.quantities, &label("as each", meaning, &["quantity", "space"]))?;
+    }
     let indicators = create_group(at, "indicators")?;
     for (name, meaning, term) in BUBBLE_TERMS {
         let values: Vec<f64> = estimate.indicators.iter().map(term).collect();
@@ -228,6 +233,8 @@ fn load_estimate(at: &Group, elements: usize, of_cuts: Vec<Bubble>) -> Result<Es
         energy,
         uncertainty,
         doubts: doubts.collect::<Result<_, _>>()?,
+        // older files have none
+        quantities: if at.link_exists("quantities") { load_points(at, "quantities")? } else { Vec::new() },
     })
 }
 

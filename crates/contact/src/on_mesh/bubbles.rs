@@ -24,6 +24,8 @@ pub struct ContactBubble {
     pub coupling: f64,
     /// ‖w‖ ‖dw/ds‖ of w = g - I_p g in L2 of the element (length²), 0 where it is open.
     pub oscillation: f64,
+    /// The coefficient of b in w where the element is closed (length), else 0.
+    pub gap: f64,
 }
 
 /// The state of contact at a node of an element.
@@ -96,7 +98,8 @@ pub fn contact_bubbles<'d>(
             coupling = f64::from(sum.signum()) * coefficient.at(mesh, &Site::new(mesh, e, 0.0))?;
         }
         let oscillation = if open { 0.0 } else { oscillation(mesh, space, e, &gap(mesh.side[e]))? };
-        bubbles.push(ContactBubble { element: e, free: [!closed, !stick], load, coupling, oscillation });
+        let gap = if closed { missed(mesh, space, e, &gap(mesh.side[e]))? } else { 0.0 };
+        bubbles.push(ContactBubble { element: e, free: [!closed, !stick], load, coupling, oscillation, gap });
     }
     Ok(bubbles)
 }
@@ -154,6 +157,29 @@ pub fn oscillation(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Resul
     }
     // both norms in t: the half lengths of the element cancel in their product
     Ok(if worst <= 1e-13 * largest { 0.0 } else { (values * slopes).sqrt() })
+}
+
+/// The coefficient of the bubble b in w = f - I_p f, the leading term of w for smooth f: ∫ w b / ∫ b² over the reference
+/// element.
+/// # Errors
+/// [`ContactError::Data`] where f is not finite.
+pub fn missed(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Result<f64, ContactError> {
+    let basis = space.basis(e);
+    let p = basis.degree;
+    let at = |t: f64| f.at(mesh, &Site::new(mesh, e, from_within(mesh, e, t)));
+    let nodal: Vec<f64> = basis.nodes.iter().map(|&t| at(t)).collect::<Result<_, _>>()?;
+    let (mut phi, mut legendre) = (vec![0.0; p + 1], vec![0.0; p + 2]);
+    let rule = rule();
+    let (mut product, mut square) = (0.0, 0.0);
+    for (&t, &weight) in rule.points.iter().zip(&rule.weights) {
+        basis.evaluate(t, &mut phi);
+        legendre_p(t, &mut legendre);
+        let bubble = (legendre[p + 1] - legendre[p - 1]) / (2 * p + 1) as f64;
+        let interpolant: f64 = phi.iter().zip(&nodal).map(|(phi, value)| phi * value).sum();
+        product += weight * (at(t)? - interpolant) * bubble;
+        square += weight * bubble * bubble;
+    }
+    Ok(product / square)
 }
 
 /// The Gauss rule on an element.

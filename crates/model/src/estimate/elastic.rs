@@ -63,11 +63,11 @@ impl Place {
 
 impl EnrichedBody {
     /// The enriched operators of a body solved with an estimate to follow: those of subdomains are there, others come from the
-    /// moments in `cache`.
+    /// moments in `cache`, with what `tractions` need where they are wanted.
     ///
     /// # Errors
     /// Those of [`EnrichedSteklov::new`].
-    pub fn new(body: &mut Body, cache: &mut PairCache) -> Result<Self, BemError> {
+    pub fn new(body: &mut Body, cache: &mut PairCache, tractions: bool) -> Result<Self, BemError> {
         let outside =
             body.outside.as_ref().map(|outside| outside.enriched(&body.mesh, &body.space, cache)).transpose()?;
         let mut bodies = Vec::new();
@@ -77,7 +77,8 @@ impl EnrichedBody {
                 Some(enriched) => enriched,
                 None => {
                     let (mesh, space) = (&part.mesh, &part.space);
-                    Arc::new(EnrichedSteklov::new(mesh, space, &piece.material, *length, traction_map, cache)?)
+                    let material = &piece.material;
+                    Arc::new(EnrichedSteklov::new(mesh, space, material, *length, traction_map, cache, tractions)?)
                 }
             };
             bodies.push(EnrichedPiece { enriched, modulus: *modulus, place: Arc::new(Place::of(part, turning)) });
@@ -167,6 +168,16 @@ impl<'a> Elastic<'a> {
         };
         parts.extend(outside.map(of_medium));
         Self { parts, nodes: factors.homogeneous.len() / 2, elements }
+    }
+
+    /// The enriched operators of a body or subdomain.
+    pub(crate) fn enriched(&self, piece: usize) -> &EnrichedSteklov {
+        self.parts[piece].enriched
+    }
+
+    /// The bubbles of a body or subdomain, of those of all.
+    pub(crate) fn bubbles_of(&self, piece: usize, all: &[f64]) -> Vec<f64> {
+        self.parts[piece].extra(all)
     }
 
     /// Number of elements, those of cuts included.

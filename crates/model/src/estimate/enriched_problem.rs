@@ -11,15 +11,17 @@ use crate::data::springs::Springs;
 use crate::estimate::elastic::Elastic;
 use crate::estimate::interface_residual::FacingLoad;
 
-/// Reduction of the squared energy of the residual at which the correction is good enough.
-const ENOUGH: f64 = 1e-4;
+/// Reduction of the squared energy of the residual at which the correction is good enough for the estimate of the error.
+pub(crate) const ENOUGH: f64 = 1e-4;
+/// The same for quantities, which converge at twice the rate of the energy norm.
+pub(crate) const ENOUGH_FOR_QUANTITIES: f64 = 1e-10;
 /// Steps of conjugate gradients at most.
 const STEPS: usize = 40;
 
 /// The directions in which the bubble of an element is free.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
-    directions: [[f64; 2]; 2],
+    pub(crate) directions: [[f64; 2]; 2],
     pub(crate) free: [bool; 2],
 }
 
@@ -88,7 +90,7 @@ pub(crate) struct System<'a> {
 }
 
 impl System<'_> {
-    fn multiply(&self, v: &Enriched) -> Enriched {
+    pub(crate) fn multiply(&self, v: &Enriched) -> Enriched {
         let mut all = self.elastic.multiply(v, self.condensation.multiply(&v.base));
         if !self.springs.is_empty() {
             let both: Vec<f64> = v.base.iter().chain(&v.extra).copied().collect();
@@ -111,8 +113,8 @@ impl System<'_> {
         Enriched { base, extra: extra.collect() }
     }
 
-    /// ⟨S₊e, e⟩ and e of S₊e = r, by conjugate gradients.
-    pub(crate) fn correction(&self, r: &Enriched) -> (f64, Enriched) {
+    /// ⟨S₊e, e⟩ and e of S₊e = r, by conjugate gradients until a step adds less than `enough` of that energy.
+    pub(crate) fn correction(&self, r: &Enriched, enough: f64) -> (f64, Enriched) {
         let mut e = Enriched { base: vec![0.0; r.base.len()], extra: vec![0.0; r.extra.len()] };
         let mut r = r.clone();
         let mut z = self.precondition(&r);
@@ -127,7 +129,7 @@ impl System<'_> {
             }
             energy += step * rz;
             e.add(step, &p);
-            if step * rz <= ENOUGH * energy {
+            if step * rz <= enough * energy {
                 break;
             }
             r.add(-step, &s);

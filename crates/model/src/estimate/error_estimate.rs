@@ -27,7 +27,8 @@ use crate::doubt::Doubt;
 use crate::energies::Energies;
 use crate::error::SolveError;
 use crate::estimate::elastic::{Elastic, EnrichedBody};
-use crate::estimate::enriched_problem::{Frame, System, frames};
+use crate::estimate::enriched_problem::{ENOUGH, Frame, System, frames};
+use crate::estimate::enriched_solution;
 use crate::estimate::interface_residual::FacingLoad;
 use crate::estimate::on_springs::{ROUNDED_TURNING, held_by_springs, turns_too_far};
 use crate::estimate::penetration::{Overlap, Unseen};
@@ -82,6 +83,8 @@ pub struct Estimate {
     pub uncertainty: f64,
     /// What makes the estimate unreliable; empty if nothing does.
     pub doubts: Vec<Doubt>,
+    /// The values of quantities, and those of the enriched spaces; empty where the latter are not known.
+    pub quantities: Vec<[f64; 2]>,
 }
 
 /// Error over the geometric mean of η and of the correction, measured: the correction alone sees 0.6 to 0.95 of the error, η,
@@ -169,7 +172,19 @@ pub fn estimate(
     let whole = !solved.field.is_cut();
     let residuals = if whole && has_residuals(scene) { data.all_residuals(solved)? } else { Vec::new() };
 
-    let (gained, squared, correction) = correction(body, &elastic, factors, (&frames, &of_springs), &residual)?;
+    let frozen = factors.contact.as_ref().map(|c| Frozen::new(&c.problem, &c.sets)).transpose()?;
+    let system = System {
+        condensation: &body.condensation,
+        elastic: &elastic,
+        frozen: frozen.as_ref(),
+        frames: &frames,
+        springs: &body.springs,
+        space: &body.space,
+        blocks: (0..frames.len()).map(|e| sum(elastic.stiffness_block(e), of_springs[e])).collect(),
+    };
+    let (gained, right) = right_side(&elastic, &residual);
+    let (squared, correction) = system.correction(&right, ENOUGH);
+    let quantities = enriched_solution::both(&data, solved, (body, factors), (&elastic, &system), &bubbles, &right)?;
 
     let held = held_tractions(scene, solved, &elastic, &indicators, (&frames, &of_springs));
     let unseen = unseen_of(scene, solved, factors, &indicators, &correction);
@@ -214,36 +229,20 @@ pub fn estimate(
         energy,
         uncertainty,
         doubts,
+        quantities,
     };
     Ok((estimate, Unseen { overlaps, unresolved }))
 }
 
-/// The gain of J of the nodes by S₊, and the squared energy and the correction of the enriched problem: r = f₊ - S₊(u, 0).
-fn correction(
-    body: &Body,
-    elastic: &Elastic<'_>,
-    factors: &Factors,
-    (frames, springs): (&[Frame], &[[[f64; 2]; 2]]),
-    residual: &[f64],
-) -> Result<(f64, f64, Enriched), SolveError> {
+/// The gain of J of the nodes by S₊, and r = f₊ - S₊(u, 0).
+fn right_side(elastic: &Elastic<'_>, residual: &[f64]) -> (f64, Enriched) {
     let (excess, gained) = elastic.excess();
     let force = elastic.bubble_force();
     let r = Enriched {
         base: excess.base.iter().map(|s| -s).collect(),
         extra: residual.iter().zip(&force).zip(&excess.extra).map(|((r, f), s)| r + f - s).collect(),
     };
-    let frozen = factors.contact.as_ref().map(|c| Frozen::new(&c.problem, &c.sets)).transpose()?;
-    let system = System {
-        condensation: &body.condensation,
-        elastic,
-        frozen: frozen.as_ref(),
-        frames,
-        springs: &body.springs,
-        space: &body.space,
-        blocks: (0..frames.len()).map(|e| sum(elastic.stiffness_block(e), springs[e])).collect(),
-    };
-    let (squared, correction) = system.correction(&r);
-    Ok((gained, squared, correction))
+    (gained, r)
 }
 
 /// ρ_u, with the forces of contact and other bodies on the bubbles.

@@ -4,6 +4,7 @@
 pub(crate) mod data_work;
 pub(crate) mod elastic;
 pub(crate) mod enriched_problem;
+pub(crate) mod enriched_solution;
 pub mod error_estimate;
 pub(crate) mod interface_residual;
 pub(crate) mod multiplier_difference;

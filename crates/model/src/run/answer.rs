@@ -9,6 +9,7 @@ use crate::answer::singular_points;
 use crate::answer::small_strain::is_large;
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
+use crate::quantities::quantities;
 use crate::run::adaptive_loop::{Model, Reason, Run};
 use crate::run::expect::expected;
 use crate::run::report::Report;
@@ -62,6 +63,9 @@ pub fn answer<M: Model>(
     if !facets(&scene.problem.outline).is_empty() {
         doubts.push(Doubt::Facets);
     }
+    let doubts: Vec<String> = doubts.iter().map(|doubt| doubt.word().to_owned()).collect();
+    let quantities =
+        quantities(scene, (energies.total, report.energy), (&report.bars, &probe), report.reactions, &doubts);
     let mut summary = Summary {
         title: scene.title.clone(),
         units: scene.units.clone(),
@@ -84,7 +88,8 @@ pub fn answer<M: Model>(
         friction_work: energies.friction_work,
         estimate: report.error.map(|[error, _]| error),
         estimate_relative: report.error.map(|[_, relative]| relative),
-        estimate_doubts: doubts.iter().map(|doubt| doubt.word().to_owned()).collect(),
+        estimate_doubts: doubts,
+        quantities,
         estimators: report
             .estimators
             .map(|own| Estimators { stochastic: outcomes.and_then(|result| result.estimator.clone()), ..own }),

@@ -15,6 +15,7 @@ use crate::estimate::elastic::EnrichedBody;
 use crate::estimate::error_estimate::{Estimate, ROUNDOFF, estimate, is_estimated};
 use crate::estimate::penetration::Unseen;
 use crate::mesh::layout::{Layout, MeshedCuts};
+use crate::quantities::{WithUncertainties, needs_tractions};
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, run, seconds_of};
 use crate::run::boundary_report;
 use crate::run::memory::{Lack, lack};
@@ -143,7 +144,8 @@ impl Model for BoundaryElements {
         }
         let clock = Instant::now();
         observe(Stage::Progress("estimate", 0.97))?;
-        let enriched = if estimated { Some(EnrichedBody::new(&mut body, cache)?) } else { None };
+        let enriched =
+            if estimated { Some(EnrichedBody::new(&mut body, cache, needs_tractions(scene))?) } else { None };
         let (mut estimate, unseen) = match &enriched {
             Some(enriched) => {
                 let (estimate, unseen) = estimate(scene, &solved, &body, enriched, &factors)?;
@@ -217,7 +219,10 @@ impl Model for BoundaryElements {
 
     fn report<'a>(scene: &Scene, run: &'a Run<BoundaryElements>) -> Report<'a> {
         let step = run.step();
-        boundary_report::report(scene, &run.last, step.estimate.as_ref(), &step.layout.located)
+        let estimates: Vec<&Estimate> = run.progress.steps.iter().filter_map(|step| step.estimate.as_ref()).collect();
+        let known = step.estimate.is_some();
+        let bars = if known { WithUncertainties::new(scene, &estimates) } else { WithUncertainties::default() };
+        Report { bars, ..boundary_report::report(scene, &run.last, step.estimate.as_ref(), &step.layout.located) }
     }
 
     fn is_exact(run: &Run<BoundaryElements>) -> bool {

@@ -12,6 +12,7 @@ use crate::data::on_mesh::OnMesh;
 use crate::estimate::error_estimate::Estimate;
 use crate::estimate::residual::estimator;
 use crate::estimators::Estimators;
+use crate::quantities::WithUncertainties;
 use crate::run::adaptive_loop::Model as _;
 use crate::run::boundary_elements::BoundaryElements;
 use crate::run::report::Report;
@@ -53,6 +54,7 @@ pub(crate) fn report<'a>(
         located,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(|&x| solved.probe(scene, x)).collect(),
+        bars: WithUncertainties::default(),
         lines: probes::lines(scene, |spot, x| solved.at(spot, x)),
         sides: BoundaryElements::along_sides(scene, solved, &scene.probe_sides),
         grid: None,

@@ -4,14 +4,16 @@ use steklov_problem::Scene;
 
 use crate::estimate::error_estimate::is_estimated;
 use crate::mesh::layout::{Layout, Sizes};
+use crate::quantities::needs_tractions;
 
-/// Bytes of the matrices that a mesh needs at once: V, K, W and, for an estimate, eight blocks of the enriched spaces; of a body that
+/// Bytes of the matrices that a mesh needs at once: V, K, W and, for an estimate, six or eight blocks of the enriched spaces; of a body that
 /// is cut those of all different subdomains, and the fronts of the unknowns on cuts.
 pub fn memory_bytes(scene: &Scene, layout: &Layout) -> u64 {
     let estimated = is_estimated(scene, layout.dofs());
+    let blocks = if needs_tractions(scene) { 5.0 } else { 3.0 };
     let bytes = |[elements, dofs]: [usize; 2]| {
         let (n, x) = (dofs as f64, if estimated { 2.0 * elements as f64 } else { 0.0 });
-        (8.0 * (3.0 * n * n + 5.0 * n * x + 3.0 * x * x)) as u64
+        (8.0 * (3.0 * n * n + blocks * n * x + 3.0 * x * x)) as u64
     };
     let Sizes { pieces, fronts } = layout.sizes(&scene.problem);
     let of_fronts = fronts.into_iter().map(|n| 8 * (n as u64).pow(2)).sum::<u64>();

@@ -11,6 +11,7 @@ use steklov_elastic::Material;
 use crate::data::on_mesh::OnMesh;
 use crate::data::parts::{Assembled, Piece};
 use crate::error::SolveError;
+use crate::quantities::needs_tractions;
 use crate::solve::solution::Seconds;
 use crate::stage::Stage;
 
@@ -101,7 +102,8 @@ pub(crate) fn assemble(
         let clock = Instant::now();
         let enriched = |(&k, (cache, (length, steklov))): (&usize, (&mut PairCache, &(f64, Steklov)))| {
             let Piece { part, material, .. } = &pieces[k];
-            let of = || EnrichedSteklov::new(&part.mesh, &part.space, material, *length, &steklov.traction, cache);
+            let (mesh, space, tractions) = (&part.mesh, &part.space, needs_tractions(data.scene));
+            let of = || EnrichedSteklov::new(mesh, space, material, *length, &steklov.traction, cache, tractions);
             (estimated && is_cut).then(of).transpose()
         };
         let enriched: Result<Vec<_>, _> =

@@ -74,7 +74,7 @@ impl Outside {
         space: &Space,
         cache: &mut PairCache,
     ) -> Result<EnrichedSteklov, BemError> {
-        EnrichedSteklov::new(mesh, space, &self.material, self.length, &self.traction_map, cache)
+        EnrichedSteklov::new(mesh, space, &self.material, self.length, &self.traction_map, cache, false)
     }
 
     /// Adds S_e to the matrix of the body.

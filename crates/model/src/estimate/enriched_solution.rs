@@ -1,0 +1,163 @@
+//! The solution u₊ of the enriched spaces at the contact sets of u, with the data that u misses, and its field inside of bodies.
+//!
+//! ```text
+//! S₊ u₊ = f₊,    u₊ = u + β + e:    β the bubbles of w = g - I_p g and u_D - I_p u_D,    S₊ e = r - S₊ β
+//! ```
+//! A number J of a solution, such as a displacement or a stress at a point, is J(u₊) with the traction that belongs to u₊. The force of
+//! a side changes by ⟨S₊u₊ - S₊u, 1⟩ there, the sum over its nodes.
+
+use std::collections::BTreeSet;
+
+use steklov_bem_operators::{BoundaryField, Enriched, Raised};
+use steklov_contact::ContactBubble;
+use steklov_elastic::RigidMotion;
+use steklov_problem::{Condition, Scene};
+
+use crate::data::body_load::Particulars;
+use crate::data::on_mesh::OnMesh;
+use crate::data::parts::Assembled;
+use crate::error::SolveError;
+use crate::estimate::elastic::Elastic;
+use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame, System};
+use crate::quantities;
+use crate::solve::body::{Body, Factors};
+use crate::solve::fields::{ElasticField, Field};
+use crate::solve::solution::Solved;
+
+/// The values J(u) and J(u₊) of the quantities of a scene, in their order; empty where u₊ has none.
+///
+/// # Errors
+/// Data that are not finite.
+pub(crate) fn both(
+    data: &OnMesh<'_>,
+    solved: &Solved,
+    (body, factors): (&Body, &Factors),
+    (elastic, system): (&Elastic<'_>, &System<'_>),
+    bubbles: &[ContactBubble],
+    right: &Enriched,
+) -> Result<Vec<[f64; 2]>, SolveError> {
+    let scene = data.scene;
+    if !is_known(scene, solved) {
+        return Ok(Vec::new());
+    }
+    let missed = Enriched { base: vec![0.0; right.base.len()], extra: missed(data, solved, system.frames, bubbles)? };
+    let mut residual = right.clone();
+    if missed.extra.iter().any(|bubble| *bubble != 0.0) {
+        residual.add(-1.0, &system.multiply(&missed));
+    }
+    let (_, mut correction) = system.correction(&residual, ENOUGH_FOR_QUANTITIES);
+    correction.add(1.0, &missed);
+    let mut both: Vec<[f64; 2]> = Vec::new();
+    if let Some(field) = field(body, (solved, factors), elastic, &correction) {
+        let plus = ElasticField { field: &field, ..solved.elastic_field() };
+        let values = quantities::values(scene, &solved.elastic_field()).into_iter();
+        both.extend(values.zip(quantities::values(scene, &plus)).map(|(value, plus)| [value, plus]));
+    }
+    // S₊u₊ - S u on the nodes
+    let mut change = system.multiply(&correction).base;
+    change.iter_mut().zip(&right.base).for_each(|(force, r)| *force -= r);
+    for (force, nodes) in quantities::forces(scene, &solved.reactions).map(|(force, side)| (force, data.nodes_of(side)))
+    {
+        let of = |i: usize| force[i] + nodes.iter().map(|node| change[2 * node + i]).sum::<f64>();
+        both.extend([0, 1].map(|i| [force[i], of(i)]));
+    }
+    Ok(both)
+}
+
+/// Whether quantities are asked for, and no medium has a part in them.
+fn is_known(scene: &Scene, solved: &Solved) -> bool {
+    let bounded = scene.problem.bodies.iter().all(|body| body.far.is_none());
+    let asked = !scene.probe.is_empty() || quantities::forces(scene, &solved.reactions).next().is_some();
+    asked && scene.random.is_none() && bounded && solved.around.is_none()
+}
+
+/// β, two for each element: along the directions in which the data hold it.
+fn missed(
+    data: &OnMesh<'_>,
+    solved: &Solved,
+    frames: &[Frame],
+    bubbles: &[ContactBubble],
+) -> Result<Vec<f64>, SolveError> {
+    let mut missed = vec![0.0; 2 * frames.len()];
+    for (e, direction, bubble) in data.missed_bubbles(&solved.particular)? {
+        missed[2 * e + direction] += bubble;
+    }
+    for bubble in bubbles {
+        let Frame { directions: [n, _], free } = frames[bubble.element];
+        if !free[0] {
+            (0..2).for_each(|i| missed[2 * bubble.element + i] += bubble.gap * n[i]);
+        }
+    }
+    Ok(missed)
+}
+
+/// The motion that springs carry in u, which the nodal values of an estimate are without.
+fn carried_by_springs(solved: &Solved, assembled: &Assembled) -> Option<RigidMotion> {
+    assembled.carried.as_ref()?;
+    let part = &assembled.piece.part;
+    let mut own = part.own(&solved.displacement);
+    if let Some(p) = solved.particular.of(part.elements[0]) {
+        let nodal = part.space.points.iter().flat_map(|&x| p.displacement(x));
+        own.iter_mut().zip(nodal).for_each(|(u, p)| *u -= p);
+    }
+    assembled.settle(&mut own)
+}
+
+/// The field of u₊, by the correction of the displacement; None without tractions.
+fn field<'b>(
+    body: &'b Body,
+    (solved, factors): (&Solved, &Factors),
+    elastic: &Elastic<'_>,
+    correction: &Enriched,
+) -> Option<Field> {
+    let nodal: Vec<f64> = factors.homogeneous.iter().zip(&correction.base).map(|(u, e)| u + e).collect();
+    let of = |(k, assembled): (usize, &'b Assembled)| {
+        let part = &assembled.piece.part;
+        let mut own = part.own(&nodal);
+        let carried = RigidMotion::sum(assembled.settle(&mut own), carried_by_springs(solved, assembled));
+        let motion = assembled.motion(&own);
+        if let Some(motion) = &motion {
+            own.iter_mut().zip(motion.nodal(&part.space.points)).for_each(|(u, r)| *u -= r);
+        }
+        let displacement = Enriched { base: own, extra: elastic.bubbles_of(k, &correction.extra) };
+        let mut traction = elastic.enriched(k).traction(&assembled.traction_map, &displacement)?;
+        traction.base.iter_mut().chain(&mut traction.extra).for_each(|t| *t *= assembled.modulus);
+        let Raised { mesh, space, displacement, traction } =
+            Raised::new(&part.mesh, &part.space, &displacement, &traction);
+        let field =
+            BoundaryField::new(&mesh, &space, &assembled.piece.material, &displacement, &traction, assembled.length);
+        Some((part, field.moved(RigidMotion::sum(carried, motion))))
+    };
+    let pieces: Option<Vec<_>> = body.pieces.iter().enumerate().map(of).collect();
+    Some(Field::new(pieces?, body.cuts.clone(), body.mesh.len()))
+}
+
+impl OnMesh<'_> {
+    /// The nodes of a side.
+    fn nodes_of(&self, side: usize) -> BTreeSet<usize> {
+        let elements = (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == side);
+        elements.flat_map(|e| self.space.element_nodes(e)).collect()
+    }
+
+    /// The coefficients of the bubbles in held displacements less their interpolants: element, component, value.
+    fn missed_bubbles(&self, particular: &Particulars) -> Result<Vec<(usize, usize, f64)>, SolveError> {
+        let mut found = Vec::new();
+        for (index, side) in self.scene.problem.sides.iter().enumerate() {
+            let Condition::Displacement { values, .. } = &side.condition else { continue };
+            let body = self.particular_of_side(particular, index);
+            for (component, expression) in values.iter().enumerate() {
+                let Some(expression) = expression else { continue };
+                if expression.constant().is_some() && body.is_none() {
+                    continue;
+                }
+                let direction = if component == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
+                let function = self.less_particular(expression, body, |_| direction);
+                for e in (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == index) {
+                    let bubble = steklov_contact::missed(self.mesh, self.space, e, &function.datum("displacement"))?;
+                    found.push((e, component, bubble));
+                }
+            }
+        }
+        Ok(found)
+    }
+}

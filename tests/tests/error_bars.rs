@@ -1,0 +1,178 @@
+//! Error bars of numbers at points, judged by known solutions: the exact number lies inside, and the bar is not idle.
+
+use steklov_model::quantities::Quantity;
+use steklov_model::run::adaptive_loop::Run;
+use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::summary::Summary;
+use steklov_problem::Scene;
+use steklov_tests::{adapt, parse, scene};
+
+fn solved(scene: &Scene) -> Summary {
+    let run: Run<BoundaryElements> = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
+    Summary::of_run(scene, &run, None)
+}
+
+fn quantity<'s>(summary: &'s Summary, path: &str) -> &'s Quantity {
+    summary.quantities.get(path).unwrap_or_else(|| panic!("{path} of {:?}", summary.quantities.keys()))
+}
+
+/// Westergaard's wave on a strip, half in contact from 0 to 0.25: the pressure p(x) and what follows from it are known.
+fn westergaard(tolerance: f64) -> Scene {
+    let text = format!(
+        "body = {{ corners = [[0, 0], [0.5, 0], [0.5, 3], [0, 3]], sides = [\"floor\", \"right\", \"top\", \"left\"] }}\n\
+         material = {{ young = 1, poisson = 0.3 }}\n\
+         sides.left.displacement = [0, \"free\"]\nsides.right.displacement = [0, \"free\"]\n\
+         sides.top.pressure = 0.01726149809664721\nsides.floor.contact.gap = \"0.01*(1 - cos(2*pi*x))\"\n\
+         probe.points = [[0.5, 0], [0.25, 0.3]]\nmethod.tolerance = {tolerance}\n"
+    );
+    parse(&text, &[]).expect("a scene")
+}
+
+/// Source: Westergaard (1939), bearing pressures and cracks; the two numbers are integrals of his pressure.
+#[test]
+fn numbers_of_westergaards_wave_are_inside_their_bars() {
+    let known = [("probe.0.displacement.y", -0.014671600245840428), ("probe.1.stress.yy", -0.0163024493590502)];
+    let mut widest = [f64::INFINITY; 2];
+    for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
+        let summary = solved(&westergaard(tolerance));
+        for ((path, exact), widest) in known.iter().zip(&mut widest) {
+            let Quantity { value, uncertainty, doubts } = quantity(&summary, path);
+            let error = (value - exact).abs();
+            println!("{tolerance:e} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
+            assert!(error <= *uncertainty, "{path} at {tolerance:e}: {error:e} and {uncertainty:e}");
+            assert!(uncertainty <= widest && doubts.is_empty(), "{path} at {tolerance:e}: {uncertainty:e}");
+            *widest = *uncertainty;
+        }
+    }
+    assert!(widest[0] < 1e-8 && widest[1] < 1e-9, "{widest:?}");
+}
+
+#[test]
+fn numbers_of_nafems_le1_are_inside_their_bars() {
+    // (path, value, how well that is known)
+    let known = [
+        ("probe.0.stress.yy", 92.658180, 5e-6),
+        ("probe.1.stress.xx", -7.260585, 2e-6),
+        ("probe.0.displacement.x", -1.02208503e-4, 1e-12),
+        ("probe.1.displacement.y", 5.49696331e-4, 2e-12),
+    ];
+    let mut bars = Vec::new();
+    for tolerance in ["1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7"] {
+        let summary = solved(&scene("nafems-le1", &[&format!("method.tolerance={tolerance}")]));
+        for (path, exact, digits) in known {
+            let Quantity { value, uncertainty, .. } = quantity(&summary, path);
+            let error = (value - exact).abs();
+            println!("{tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+            assert!(error <= 1.5 * uncertainty + digits, "{path} at {tolerance}: {error:e} and {uncertainty:e}");
+            bars.push(*uncertainty);
+        }
+    }
+    assert!((0..4).all(|k| bars[20 + k] < 1e-3 * bars[k]), "{bars:?}");
+}
+
+/// Forces of floors under wedges and a parabola, without friction, with Tresca's and with Coulomb's, known to 1e-8 by another program
+/// with matrices of its own.
+#[test]
+fn forces_are_inside_their_bars() {
+    let coulomb = ["sides.floor.contact.friction={coulomb=\"0.3\"}"];
+    let parabola =
+        ["sides.floor.contact={gap=\"(x-0.07)^2/3-0.02\",friction={tresca=\"4\"}}", "sides.top.displacement=[0.002,0]"];
+    let (mut count, mut half) = (0, 0);
+    for (name, changes, known) in [
+        (
+            "wedge-gap",
+            &[][..],
+            &[("reactions.floor.y", 31.150295267913812), ("reactions.top.y", -31.150295267913812)][..],
+        ),
+        ("kink-in-an-element", &[], &[("reactions.floor.y", 29.71793789509664)]),
+        (
+            "kink-in-an-element",
+            &coulomb,
+            &[("reactions.floor.y", 30.31436409396971), ("reactions.floor.x", -2.398618697555306)],
+        ),
+        (
+            "wedge-gap",
+            &parabola,
+            &[("reactions.floor.y", 12.010450260842005), ("reactions.floor.x", -0.8679922818842297)],
+        ),
+    ] {
+        for tolerance in ["1e-1", "1e-2", "1e-3", "1e-4", "1e-5"] {
+            let tolerance = format!("method.tolerance={tolerance}");
+            let settings: Vec<&str> = changes.iter().copied().chain([tolerance.as_str(), "expect={}"]).collect();
+            let summary = solved(&scene(name, &settings));
+            for (path, exact) in known {
+                let Quantity { value, uncertainty, doubts } = quantity(&summary, path);
+                let error = (value - exact).abs();
+                println!("{name} {tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
+                assert!(error <= 2.5 * uncertainty + 1e-8, "{path} at {tolerance}: {error:e} and {uncertainty:e}");
+                assert!(*uncertainty <= 20.0 * error + 1e-8, "{path} at {tolerance}: {error:e} and {uncertainty:e}");
+                (count, half) = (count + 1, half + usize::from(error <= *uncertainty + 1e-8));
+            }
+        }
+    }
+    println!("{half} of {count}");
+    assert!(10 * half >= 9 * count, "{half} of {count}");
+}
+
+/// Where the answer is exact the bar is that of rounding, and nothing is in doubt.
+#[test]
+fn exact_answers_have_bars_of_rounding() {
+    for name in ["patch-test", "own-weight", "cantilever", "contact-patch", "oblique-contact", "stick-patch"] {
+        let summary = solved(&scene(name, &[]));
+        let largest = |stress: bool| {
+            let own = summary.probe.iter().flat_map(|p| match stress {
+                true => p.stress.to_vec(),
+                false => p.displacement.to_vec(),
+            });
+            own.fold(0.0, |largest: f64, value| largest.max(value.abs()))
+        };
+        for (path, Quantity { uncertainty, doubts, .. }) in &summary.quantities {
+            if path.starts_with("probe.") {
+                let size = largest(path.contains(".stress."));
+                assert!((1e-13 * size..=1e-8 * size).contains(uncertainty), "{name} {path}: {uncertainty:e} of {size}");
+            }
+            assert!(doubts.is_empty(), "{name} {path}: {doubts:?}");
+        }
+        let count = 1 + 5 * summary.probe.len() + 2 * summary.reactions.len();
+        assert_eq!(summary.quantities.len(), count, "{name}");
+    }
+}
+
+/// Several bodies, friction, subdomains and curves: the numbers of coarse solutions are those of fine ones, no bar is below a quarter of
+/// the error, and nine of ten are half of it or more.
+#[test]
+fn numbers_of_coarse_solutions_are_inside_their_bars() {
+    let (mut count, mut half) = (0, 0);
+    for (name, points) in [
+        ("two-cylinders", "[[0.1, 0.2], [0.3, -0.4]]"),
+        ("stick-and-slip", "[[0.1, 0.2], [-0.2, -0.3]]"),
+        ("coulomb-wedge", "[[0.1, 0.2], [-0.2, -0.3]]"),
+        ("filleted-bracket", "[[0.5, 0.5], [0.4, 1.7]]"),
+        ("plate-with-holes", "[[0.1, 1.6], [3.9, 2.1]]"),
+    ] {
+        let points = format!("probe.points={points}");
+        let at =
+            |tolerance: &str| solved(&scene(name, &[&points, &format!("method.tolerance={tolerance}"), "expect={}"]));
+        let (coarse, fine) = (at("1e-2"), at("1e-5"));
+        let of_points = coarse.quantities.iter().filter(|(path, _)| path.starts_with("probe"));
+        for (path, Quantity { value, uncertainty, .. }) in of_points {
+            let exact = quantity(&fine, path);
+            let error = ((value - exact.value).abs() - exact.uncertainty).max(0.0);
+            println!("{name} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+            assert!(error <= 4.0 * uncertainty, "{name} {path}: {error:e} and {uncertainty:e}");
+            assert!(exact.uncertainty < *uncertainty, "{name} {path}: {:e} and {uncertainty:e}", exact.uncertainty);
+            (count, half) = (count + 1, half + usize::from(error <= 2.0 * uncertainty));
+        }
+    }
+    println!("{half} of {count}");
+    assert!(count == 50 && 10 * half >= 9 * count, "{half} of {count}");
+}
+
+/// Of random input, grids and unbounded media no bars of points are known, and none are told.
+#[test]
+fn unknown_bars_are_not_told() {
+    for name in ["random-modulus", "tunnel"] {
+        let summary = solved(&scene(name, &["method.tolerance=0.1", "expect={}"]));
+        assert!(!summary.quantities.keys().any(|path| path.starts_with("probe")), "{name}");
+    }
+}
