@@ -167,6 +167,16 @@ class Result:
         self._solved.save(path, replace)
 
     @property
+    def error_bars(self) -> dict[str, tuple[float, float, list[str]]]:
+        """Numbers with their error bars by their paths: value, how far the exact one may be from it, and why that is in doubt.
+
+        J, forces of supports and obstacles, and displacement and stress at the points of `probe`, of boundary elements without random
+        input and without an unbounded medium.
+        """
+        known = self.summary.get("quantities", {})
+        return {path: (of["value"], of["uncertainty"], of["doubts"]) for path, of in known.items()}
+
+    @property
     def energy(self) -> tuple[float, float] | None:
         """J and how far the exact one may be from it: (value, uncertainty), None without an estimate."""
         value, uncertainty = self.summary["energy_extrapolated"], self.summary["energy_uncertainty"]

@@ -54,6 +54,24 @@ def test_numbers_are_those_of_the_command_to_the_bit(scene, tmp_path):
                 assert numpy.array_equal(file["contact"][stored][()], result.contact[own]), stored
 
 
+def test_error_bars_hold_the_exact_numbers():
+    # a bar under its own weight, u_y = -g (L y - y^2/2) / E
+    bar = {
+        "body": {"corners": [[0, 0], [1, 0], [1, 4], [0, 4]], "sides": ["foot", "right", "top", "left"]},
+        "material": {"young": 100, "poisson": 0.0, "plane": "stress"},
+        "sides": {"foot": {"displacement": ["free", 0]}},
+        "body_force": {"value": ["0", "-3"]},
+        "probe": {"points": [[0.5, 2]]},
+    }
+    for tolerance in [1e-1, 1e-3]:
+        result = steklov.solve(bar, method__tolerance=tolerance)
+        for path, exact in [("probe.0.displacement.y", -0.18), ("probe.0.stress.yy", -6.0), ("reactions.foot.y", 12.0)]:
+            value, uncertainty, doubts = result.error_bars[path]
+            assert value == result.quantities[path] and not doubts, (path, doubts)
+            assert abs(value - exact) <= uncertainty < 1e-8, (path, value, uncertainty)
+    assert result.quantities["quantities.reactions.foot.y.uncertainty"] == result.error_bars["reactions.foot.y"][1]
+
+
 def test_a_dictionary_is_the_text_that_it_means():
     text, name = steklov.text_of(BLOCK)
     assert name == "scene" and steklov.text_of(text) == (text, "scene")

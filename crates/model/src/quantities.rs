@@ -143,10 +143,15 @@ impl WithUncertainties {
     /// The values of the last of these steps.
     pub(crate) fn new(scene: &Scene, estimates: &[&Estimate]) -> Self {
         let Some((last, before)) = estimates.split_last() else { return Self::default() };
+        let points = scene.probe.len();
+        let forces = last.quantities.len().checked_sub(OF_POINT.len() * points);
+        if forces.is_none_or(|forces| forces % 2 != 0) {
+            // of an altered file, or without any
+            return Self::default();
+        }
         // what was before an exact solution says nothing about it
         let before = before.last().filter(|before| before.quantities.len() == last.quantities.len());
         let before = before.filter(|_| last.relative > EXACT);
-        let points = scene.probe.len();
         let seen = |estimate: &Estimate, k: usize| {
             let group = group(k, points).map(|k| estimate.quantities[k]);
             let largest = group.map(|[value, plus]| (plus - value).abs()).fold(0.0, f64::max);
