@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
-use steklov_bem_operators::{Location, SAME_PLACE};
-use steklov_problem::{Multiplier, Scene};
+use steklov_bem_operators::{Edge, Location, SAME_PLACE};
+use steklov_problem::{Condition, Friction, Multiplier, Scene};
 
 use crate::answer::wedges::is_straight;
 use crate::doubt::Doubt;
@@ -207,7 +207,8 @@ fn is_corner(scene: &Scene, x: [f64; 2]) -> bool {
     edges[first].side != edges[second].side || !is_straight(&edges[first], &edges[second])
 }
 
-/// J with `[extrapolated, its uncertainty]`, what the points have, and the forces, by their paths; stresses that are infinite are left out.
+/// J with `[extrapolated, its uncertainty]`, what the points have, and the forces, by their paths; stresses that are infinite are left out,
+/// and components of forces that two sides share at a corner.
 pub(crate) fn quantities(
     scene: &Scene,
     (energy, known): (f64, Option<[f64; 2]>),
@@ -239,9 +240,45 @@ pub(crate) fn quantities(
     }
     let of_forces = all.values.get(of_points..).unwrap_or_default().chunks_exact(2);
     for ((_, side), components) in forces(scene, reactions).zip(of_forces) {
-        for (component, &[value, uncertainty]) in ["x", "y"].iter().zip(components) {
-            told.insert(format!("reactions.{}.{component}", scene.problem.sides[side].name), with(value, uncertainty));
+        let shared = shared(scene, side);
+        for (k, &[value, uncertainty]) in components.iter().enumerate().filter(|(k, _)| !shared[*k]) {
+            let path = format!("reactions.{}.{}", scene.problem.sides[side].name, ["x", "y"][k]);
+            told.insert(path, with(value, uncertainty));
         }
     }
     told
+}
+
+/// The components of the force that a support or an obstacle may have along an edge.
+fn reacts(scene: &Scene, edge: &Edge) -> [bool; 2] {
+    let side = &scene.problem.sides[edge.side];
+    let held = match &side.condition {
+        Condition::Displacement { values, .. } => values.each_ref().map(Option::is_some),
+        _ => [false; 2],
+    };
+    let touched = match scene.problem.contact(edge.side) {
+        None => [false; 2],
+        Some(contact) if matches!(contact.friction, Friction::None) && edge.is_line() => {
+            edge.normal(0.5).map(|n| n.abs() > SAME_PLACE)
+        }
+        Some(_) => [true; 2],
+    };
+    [0, 1].map(|k| held[k] || touched[k] || side.springs.is_some())
+}
+
+/// The components of the force of a side of which a corner has a part that is another side's as well: how much is whose is known to the
+/// mesh alone.
+fn shared(scene: &Scene, side: usize) -> [bool; 2] {
+    let outline = &scene.problem.outline;
+    let edges = outline.edges();
+    let mut shared = [false; 2];
+    for k in (0..edges.len()).filter(|&k| edges[k].side == side) {
+        for (other, _) in [false, true].map(|rising| outline.neighbour(k, rising)) {
+            if edges[other].side != side {
+                let (own, others) = (reacts(scene, &edges[k]), reacts(scene, &edges[other]));
+                (0..2).for_each(|i| shared[i] |= own[i] && others[i]);
+            }
+        }
+    }
+    shared
 }
