@@ -14,7 +14,7 @@ pub enum Value {
     Constant(f64),
     /// A random field.
     Field(Arc<FieldValue>),
-    /// A piecewise linear function of one value.
+    /// A function of one value by its values at knots.
     Profile(Arc<Profile>),
     /// Any value: [`Expression::range`](super::Expression::range) is given its range, by this index, and
     /// [`Expression::eval`](super::Expression::eval) is NaN where it counts.

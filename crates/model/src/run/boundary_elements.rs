@@ -219,10 +219,9 @@ impl Model for BoundaryElements {
 
     fn report<'a>(scene: &Scene, run: &'a Run<BoundaryElements>) -> Report<'a> {
         let step = run.step();
-        let estimates: Vec<&Estimate> = run.progress.steps.iter().filter_map(|step| step.estimate.as_ref()).collect();
-        let known = step.estimate.is_some();
-        let bars = if known { WithUncertainties::new(scene, &estimates) } else { WithUncertainties::default() };
-        Report { bars, ..boundary_report::report(scene, &run.last, step.estimate.as_ref(), &step.layout.located) }
+        let estimates: Option<Vec<&Estimate>> = run.progress.steps.iter().map(|step| step.estimate.as_ref()).collect();
+        let bars = estimates.map(|estimates| WithUncertainties::new(scene, &estimates)).unwrap_or_default();
+        boundary_report::report(scene, &run.last, (step.estimate.as_ref(), bars), &step.layout.located)
     }
 
     fn is_exact(run: &Run<BoundaryElements>) -> bool {

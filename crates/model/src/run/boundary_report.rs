@@ -28,7 +28,7 @@ const BALANCED: f64 = 1e-6;
 pub(crate) fn report<'a>(
     scene: &Scene,
     solved: &'a Solved,
-    estimate: Option<&Estimate>,
+    (estimate, bars): (Option<&Estimate>, WithUncertainties),
     transitions: &'a [Located],
 ) -> Report<'a> {
     let located = located(scene, transitions);
@@ -54,7 +54,7 @@ pub(crate) fn report<'a>(
         located,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(|&x| solved.probe(scene, x)).collect(),
-        bars: WithUncertainties::default(),
+        bars,
         lines: probes::lines(scene, |spot, x| solved.at(spot, x)),
         sides: BoundaryElements::along_sides(scene, solved, &scene.probe_sides),
         grid: None,
