@@ -29,6 +29,7 @@ mod invariance;
 mod many_modes;
 mod media;
 mod multipliers;
+mod named_quantities;
 mod narrow_data;
 mod nearly_facing;
 mod on_springs;

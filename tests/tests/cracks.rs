@@ -63,6 +63,31 @@ fn energies_of_cracks_in_the_plane_are_griffiths() {
     }
 }
 
+/// Faces under tension σ open by 4σ/E' sqrt(1 - x²), with or without a law for their contact, and stay closed under pressure.
+///
+/// Source: Griffith (1921); Sneddon (1946).
+#[test]
+fn cracks_in_the_plane_open_as_griffith_says() {
+    let law = "[[interface]]\non = \"core.crack\"\ncontact = { friction = { coulomb = \"0.3\" } }\n";
+    let pressure = "[sides.core.crack]\npressure = \"5\"\n";
+    let asked = "[quantities]\nmiddle = { opening_at = [0, 0] }\nbeside = { opening_at = [0.6, 0] }\n";
+    let cases = [
+        ("open", "[[-1, 0], [1, 0]]", [0.0, 5.0, 0.0], "", 5.0),
+        ("reversed", "[[1, 0], [-1, 0]]", [0.0, 5.0, 0.0], "", 5.0),
+        ("pressed apart", "[[-1, 0], [1, 0]]", [0.0, 0.0, 0.0], pressure, 5.0),
+        ("with contact", "[[-1, 0], [1, 0]]", [0.0, 5.0, 0.0], law, 5.0),
+        ("pressed together", "[[-1, 0], [1, 0]]", [0.0, -5.0, 1.0], law, 0.0),
+    ];
+    for (name, points, stress, faces, tension) in cases {
+        let told = solved(&format!("{}{asked}", in_the_plane(points, stress, faces)), &["method.tolerance=1e-5"]);
+        for (place, x) in [("middle", 0.0f64), ("beside", 0.6)] {
+            let exact = 4.0 * tension * 0.91 / 1000.0 * (1.0 - x * x).sqrt();
+            let found = told.named.opening[place];
+            assert!((found - exact).abs() < 2e-8, "{name}, {place}: {found} {exact}");
+        }
+    }
+}
+
 /// All of the faces slips, with elements of 1e-10 at the tips, whose stresses are what rounding of forces makes of them: that is
 /// no violation of the law.
 #[test]

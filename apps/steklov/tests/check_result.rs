@@ -29,7 +29,7 @@ const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"
 const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
 const FEW: &str = "method.max_steps=3";
 
-const KINDS: [Kind; 26] = [
+const KINDS: [Kind; 27] = [
     kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
@@ -38,6 +38,18 @@ const KINDS: [Kind; 26] = [
         &["stabilisation", "stabilised contact"],
     ),
     kind("coulomb", "25-coulomb-wedge", &[], CONTACT),
+    kind(
+        "by-names",
+        "22-flat-punch",
+        &[
+            "quantities.edge={ pressure_at = [0.1, 0] }",
+            "quantities.middle={ pressure_at = [0.05, 0] }",
+            "quantities.sinks={ mean_displacement = \"top\" }",
+            "quantities.turns={ moment = \"floor\", about = [0, 0] }",
+            "quantities.opens={ opening_at = [0.2, 0] }",
+        ],
+        CONTACT,
+    ),
     kind("two-bodies", "60-two-cylinders", &["probe.lines=[{ from = [0, 0], to = [0, 1] }]"], CONTACT),
     kind("tied", "59-tied-blocks", &[], MATRICES),
     kind("crack", "66-crack-that-closes", &[FEW], CONTACT),

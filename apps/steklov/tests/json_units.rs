@@ -25,6 +25,11 @@ traction = ["<0.5 P>", "<-1 P>"]
 points = [[<1 L>, <0.5 L>]]
 lines = [{ from = [<0.5 L>, 0], to = [<1.5 L>, <1 L>], points = 3 }]
 sides = ["top"]
+[quantities]
+press = { pressure_at = [<0.4 L>, 0] }
+sinks = { mean_displacement = "top" }
+turns = { moment = "floor", about = [0, 0] }
+opens = { opening_at = [<1.9 L>, 0] }
 [method]
 max_steps = 3
 estimators = true

@@ -37,6 +37,7 @@ mod sides;
 mod method;
 mod probe;
 mod profiles;
+mod quantities;
 mod random;
 mod random_field;
 mod grid;
@@ -229,6 +230,8 @@ fn scene(
     let around = problem.tie().is_some();
     let probe::Probes { points: probe, lines: probe_lines, sides: probe_sides } =
         fields.get("probe").map_or_else(|| Ok(Default::default()), |p| probe::probe(&p, &problem))?;
+    let quantities =
+        fields.get("quantities").map_or_else(|| Ok(Vec::new()), |q| quantities::quantities(&q, &problem))?;
     let mut expect = Vec::new();
     if let Some(field) = fields.get("expect") {
         method::expect(&field, "", &mut expect)?;
@@ -250,8 +253,20 @@ fn scene(
     let (names, germs) = random::used(declared, asked.is_product(), &problem, &used)?;
     let random = Random { names, germs, stochastic: Stochastic::default(), constants };
     let random = (!random.names.is_empty()).then_some(random);
-    let mut scene =
-        Scene { title, units, problem, parameters, probe, probe_lines, probe_sides, method, expect, random, unused };
+    let mut scene = Scene {
+        title,
+        units,
+        problem,
+        parameters,
+        probe,
+        probe_lines,
+        probe_sides,
+        quantities,
+        method,
+        expect,
+        random,
+        unused,
+    };
     if let Some(stochastic) = asked.chosen(&scene)
         && let Some(random) = &mut scene.random
     {

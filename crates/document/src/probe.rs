@@ -61,17 +61,7 @@ fn line(field: &Field<'_>, problem: &Problem) -> Result<ProbeLine, ReadError> {
 fn sides(field: &Field<'_>, problem: &Problem) -> Result<Vec<usize>, ReadError> {
     let mut list = Vec::new();
     for field in field.list()? {
-        let name = field.text()?;
-        let Some(side) = problem.side(name) else {
-            let names = problem.sides.iter().map(|side| side.name.as_str());
-            let place = field.item.place;
-            return Err(ReadError::new(
-                Kind::UnknownKey,
-                place,
-                format!("there is no side {name:?}"),
-                suggestion(name, names),
-            ));
-        };
+        let (name, side) = (field.text()?, side(&field, problem)?);
         if list.contains(&side) {
             let message = format!("the side {name:?} is named twice");
             return Err(ReadError::new(DataErrorKind::Conflict, field.item.place, message, "name it once"));
@@ -79,4 +69,14 @@ fn sides(field: &Field<'_>, problem: &Problem) -> Result<Vec<usize>, ReadError> 
         list.push(side);
     }
     Ok(list)
+}
+
+/// The number of the side that is named.
+pub(super) fn side(field: &Field<'_>, problem: &Problem) -> Result<usize, ReadError> {
+    let name = field.text()?;
+    problem.side(name).ok_or_else(|| {
+        let names = problem.sides.iter().map(|side| side.name.as_str());
+        let message = format!("there is no side {name:?}");
+        ReadError::new(Kind::UnknownKey, field.item.place, message, suggestion(name, names))
+    })
 }

@@ -25,6 +25,10 @@ const MORE: [&str; 8] = [
     sides.a = { contact = { gap = "rough(s)", friction = { tresca = 1 } } }
     probe = { points = [[1.5, 0]], lines = [{ from = [-2, 0], to = [-1.5, 0] }, { from = [-2, 0], to = [-1.5, 0], points = 3 }],
               sides = ["a"] }
+    quantities.press = { pressure_at = [0, 0] }
+    quantities.sinks = { mean_displacement = "a" }
+    quantities.turns = { moment = "a", about = [0, 0] }
+    quantities.opens = { opening_at = [0, 0] }
     expect.energy = { value = 1.0, tol = 0.1 }
     expect.contact.length = { value = 1.0, tol = 0.1, source = "here" }
     [method]

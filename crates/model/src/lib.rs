@@ -33,6 +33,7 @@ pub mod estimate;
 pub mod estimators;
 pub mod grid;
 pub mod mesh;
+mod named;
 pub mod numbers;
 pub mod quantities;
 pub mod refine;

@@ -19,6 +19,9 @@ const LEFT_OUT: [&str; 12] = [
     "value",
 ];
 
+/// Objects whose keys are names of a scene.
+const OF_NAMES: [&str; 5] = ["reactions", "pressure", "mean_displacement", "moment", "opening"];
+
 /// Paths and values of the numbers of the JSON object of a result, a flag being 0 or 1; without what was asked for, long lists, seconds
 /// and memory. Of vectors the components are x and y, of stresses xx, yy and xy.
 ///
@@ -37,8 +40,8 @@ pub fn numbers(object: &Value) -> Vec<(String, f64)> {
             Value::Number(number) => list.extend(number.as_f64().map(|number| (path.to_owned(), number))),
             Value::Object(entries) => entries
                 .iter()
-                // what is below reactions are names of sides
-                .filter(|(name, _)| key == "reactions" || !LEFT_OUT.contains(&name.as_str()))
+                // what is below these are names
+                .filter(|(name, _)| OF_NAMES.contains(&key) || !LEFT_OUT.contains(&name.as_str()))
                 .for_each(|(key, value)| add(value, &below(key), key, list)),
             Value::Array(items) => {
                 let is_vector = items.iter().all(Value::is_number) && key != "quantiles";

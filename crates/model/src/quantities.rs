@@ -5,22 +5,25 @@
 //! d_k = max(|J₊ - J_k|, d_{k-1} min(1, (E_k / E_{k-1})²)),      uncertainty = 1.2 d_k + 0.3 |J_k - J_{k-1}|
 //! ```
 //! E the estimate in the energy norm: |J₊ - J_k| crosses zero by accident, hardly twice in a row and hardly in all components: that of a
-//! component is a quarter of the largest one of its vector or tensor or more. Of a single mesh, and of an exact solution, which has no step
+//! component is a quarter of the largest one of its vector or tensor or more. The value of a pressure at a point is J₊, as tractions gain
+//! most of the enriched spaces. Of a single mesh, and of an exact solution, which has no step
 //! before it, the uncertainty is 5 |J₊ - J|. At corners and between sides J₊ removes less of the error: there stresses, and displacements where
-//! the stress is infinite, have three times the uncertainty, and the doubt `coarse`.
+//! the stress is infinite, have three times the uncertainty, and the doubt `coarse`; pressures within one element of an end of contact have
+//! the doubt `transition`.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Edge, Location, SAME_PLACE};
-use steklov_problem::{Condition, Friction, Multiplier, Scene};
+use steklov_problem::{Condition, Friction, Multiplier, NamedQuantity, QuantityKind, Scene};
 
 use crate::answer::wedges::is_straight;
 use crate::doubt::Doubt;
 use crate::estimate::error_estimate::Estimate;
+use crate::named::components;
 use crate::solve::fields::ElasticField;
-use crate::summary::Probe;
+use crate::summary::{Named, Probe};
 
 /// How far the exact value may be, over the part that the enriched spaces see.
 const OF_DIFFERENCE: f64 = 1.2;
@@ -53,11 +56,11 @@ pub struct Quantity {
 /// The quantities of a result by their paths in the JSON object.
 pub type Quantities = BTreeMap<String, Quantity>;
 
-/// The components at a point, in the order of [`values`].
+/// The components at a point, in the order of [`at_points`].
 const OF_POINT: [&str; 5] = ["displacement.x", "displacement.y", "stress.xx", "stress.yy", "stress.xy"];
 
 /// Displacement and stress at the points of a scene, five numbers for each.
-pub(crate) fn values(scene: &Scene, field: &ElasticField<'_>) -> Vec<f64> {
+pub(crate) fn at_points(scene: &Scene, field: &ElasticField<'_>) -> Vec<f64> {
     let outline = &scene.problem.outline;
     let at = |x: [f64; 2]| match outline.contains(x) {
         Location::Boundary { edge, s } => field.on_edge(edge, s),
@@ -75,7 +78,7 @@ pub(crate) fn values(scene: &Scene, field: &ElasticField<'_>) -> Vec<f64> {
 
 /// Whether quantities of a scene need the tractions of the enriched spaces.
 pub(crate) fn needs_tractions(scene: &Scene) -> bool {
-    !scene.probe.is_empty() && scene.random.is_none()
+    scene.random.is_none() && !(scene.probe.is_empty() && scene.quantities.is_empty())
 }
 
 /// The forces of sides, with their numbers, whose error bars are known: of supports and rigid obstacles, without those of springs.
@@ -83,69 +86,99 @@ pub(crate) fn forces<'a>(
     scene: &'a Scene,
     reactions: &'a [(String, [f64; 2])],
 ) -> impl Iterator<Item = ([f64; 2], usize)> + 'a {
-    let problem = &scene.problem;
     let of = |(name, force): &'a (String, [f64; 2])| {
-        Some((*force, problem.sides.iter().position(|side| side.name == *name)?))
+        Some((*force, scene.problem.sides.iter().position(|side| side.name == *name)?))
     };
-    let known =
-        |(_, side): &([f64; 2], usize)| problem.sides[*side].springs.is_none() && problem.joint(*side).is_none();
-    let stabilised = scene.method.multiplier == Multiplier::Stabilised;
-    reactions
-        .iter()
-        .filter_map(of)
-        .filter(known)
-        .filter(move |(_, side)| !(stabilised && problem.contact(*side).is_some()))
+    reactions.iter().filter_map(of).filter(|(_, side)| is_known(scene, *side))
+}
+
+/// Whether the enriched spaces tell how far the force of a side may be off: that of a support or a rigid obstacle.
+fn is_known(scene: &Scene, side: usize) -> bool {
+    let (problem, stabilised) = (&scene.problem, scene.method.multiplier == Multiplier::Stabilised);
+    let touched = problem.contact(side).is_some();
+    problem.sides[side].springs.is_none() && problem.joint(side).is_none() && !(stabilised && touched)
 }
 
 /// What a value is, which tells the values that it rounds with.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Displacement,
     Stress,
     Force,
+    Moment,
 }
 
-/// The kinds of the values of `points` points, and of forces.
-fn kind(k: usize, points: usize) -> Kind {
-    match k % OF_POINT.len() {
-        _ if k >= OF_POINT.len() * points => Kind::Force,
-        0 | 1 => Kind::Displacement,
-        _ => Kind::Stress,
+/// Where a value stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Of {
+    /// A point of `[probe]`.
+    Point(usize),
+    /// A component of the force of a side.
+    Force(usize, usize),
+    /// One of the named quantities.
+    Named(usize),
+}
+
+/// A value by its path.
+#[derive(Debug, Clone, PartialEq)]
+struct Entry {
+    path: String,
+    kind: Kind,
+    of: Of,
+    /// The components of its vector or tensor.
+    group: Range<usize>,
+}
+
+/// The values of [`Estimate::quantities`] in their order: those at points, the forces of sides, the named quantities.
+fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut add = |of: Of, kind: Kind, paths: Vec<String>| {
+        let group = entries.len()..entries.len() + paths.len();
+        entries.extend(paths.into_iter().map(|path| Entry { path, kind, of, group: group.clone() }));
+    };
+    for point in 0..scene.probe.len() {
+        let paths = |of: Range<usize>| OF_POINT[of].iter().map(|name| format!("probe.{point}.{name}")).collect();
+        add(Of::Point(point), Kind::Displacement, paths(0..2));
+        add(Of::Point(point), Kind::Stress, paths(2..OF_POINT.len()));
     }
-}
-
-/// The components of the vector or tensor that a value belongs to.
-fn group(k: usize, points: usize) -> Range<usize> {
-    let first = k - k % OF_POINT.len();
-    match kind(k, points) {
-        Kind::Displacement => first..first + 2,
-        Kind::Stress => first + 2..first + OF_POINT.len(),
-        Kind::Force => {
-            let of_points = OF_POINT.len() * points;
-            let first = k - (k - of_points) % 2;
-            first..first + 2
+    for (_, side) in forces(scene, reactions) {
+        let name = &scene.problem.sides[side].name;
+        add(Of::Force(side, 0), Kind::Force, ["x", "y"].map(|i| format!("reactions.{name}.{i}")).to_vec());
+    }
+    for (k, NamedQuantity { name, kind }) in scene.quantities.iter().enumerate() {
+        let path = format!("{}.{name}", kind.group());
+        let sort = match kind {
+            QuantityKind::PressureAt(_) => Kind::Stress,
+            QuantityKind::Moment { .. } => Kind::Moment,
+            QuantityKind::MeanDisplacement(_) | QuantityKind::OpeningAt(_) => Kind::Displacement,
+        };
+        let paths = if components(kind) == 2 { ["x", "y"].map(|i| format!("{path}.{i}")).to_vec() } else { vec![path] };
+        add(Of::Named(k), sort, paths);
+    }
+    for entry in &mut entries {
+        if let Of::Force(side, _) = entry.of {
+            entry.of = Of::Force(side, usize::from(entry.path.ends_with(".y")));
         }
     }
+    entries
 }
 
-/// Values with their uncertainties: five for each of the points, then two for each force.
+/// Values with their error bars.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct WithUncertainties {
-    /// Number of points.
-    points: usize,
+pub struct Bars {
+    entries: Vec<Entry>,
     /// Value and uncertainty.
     values: Vec<[f64; 2]>,
-    /// Displacement, stress and force of the size of the solution.
-    sizes: [f64; 3],
+    /// Displacement, stress, force and moment of the size of the solution.
+    sizes: [f64; 4],
 }
 
-impl WithUncertainties {
+impl Bars {
     /// The values of the last of these steps.
-    pub(crate) fn new(scene: &Scene, estimates: &[&Estimate]) -> Self {
+    pub(crate) fn new(scene: &Scene, reactions: &[(String, [f64; 2])], estimates: &[&Estimate]) -> Self {
         let Some((last, before)) = estimates.split_last() else { return Self::default() };
-        let points = scene.probe.len();
-        let forces = last.quantities.len().checked_sub(OF_POINT.len() * points);
-        if forces.is_none_or(|forces| forces % 2 != 0) {
+        let entries = entries(scene, reactions);
+        if last.quantities.len() != entries.len() {
             // of an altered file, or without any
             return Self::default();
         }
@@ -153,12 +186,12 @@ impl WithUncertainties {
         let before = before.last().filter(|before| before.quantities.len() == last.quantities.len());
         let before = before.filter(|_| last.relative > EXACT);
         let seen = |estimate: &Estimate, k: usize| {
-            let group = group(k, points).map(|k| estimate.quantities[k]);
+            let group = entries[k].group.clone().map(|k| estimate.quantities[k]);
             let largest = group.map(|[value, plus]| (plus - value).abs()).fold(0.0, f64::max);
             let [value, plus] = estimate.quantities[k];
             (plus - value).abs().max(OF_OTHERS * largest)
         };
-        let of = |(k, [value, _]): (usize, &[f64; 2])| {
+        let of = |(k, [value, plus]): (usize, &[f64; 2])| {
             let d = seen(last, k);
             let uncertainty = match before {
                 None => OF_SINGLE * d,
@@ -168,14 +201,15 @@ impl WithUncertainties {
                     OF_DIFFERENCE * d + OF_CHANGE * (value - before.quantities[k][0]).abs()
                 }
             };
-            [*value, uncertainty]
+            let is_pressure = matches!(entries[k], Entry { of: Of::Named(_), kind: Kind::Stress, .. });
+            [if is_pressure { *plus } else { *value }, uncertainty]
         };
         let values = last.quantities.iter().enumerate().map(of).collect();
         // energy² E = force², energy² / E = length²
         let modulus = scene.problem.bodies.iter().map(|body| body.material().young).fold(0.0, f64::max);
-        let force = last.scale * modulus.sqrt();
-        let sizes = [force / modulus, force / scene.problem.outline.diameter(), force];
-        let mut all = Self { points, values, sizes };
+        let (force, diameter) = (last.scale * modulus.sqrt(), scene.problem.outline.diameter());
+        let sizes = [force / modulus, force / diameter, force, force * diameter];
+        let mut all = Self { entries, values, sizes };
         for k in 0..all.values.len() {
             all.values[k][1] = all.values[k][1].max(all.rounding(k));
         }
@@ -184,10 +218,16 @@ impl WithUncertainties {
 
     /// Rounding errors of a value.
     fn rounding(&self, k: usize) -> f64 {
-        let own = kind(k, self.points);
-        let of_kind = |other: &usize| kind(*other, self.points) == own;
-        let sizes = (0..self.values.len()).filter(of_kind).map(|other| self.values[other][0].abs());
+        let own = self.entries[k].kind;
+        let of_kind = self.entries.iter().zip(&self.values).filter(|(entry, _)| entry.kind == own);
+        let sizes = of_kind.map(|(_, [value, _])| value.abs());
         ROUNDED * sizes.filter(|size| size.is_finite()).fold(self.sizes[own as usize], f64::max)
+    }
+
+    /// Gives the named quantities their values, which are those of the enriched spaces for some of them.
+    pub(crate) fn tell(&self, named: &mut [f64]) {
+        let own = self.entries.iter().zip(&self.values).filter(|(entry, _)| matches!(entry.of, Of::Named(_)));
+        named.iter_mut().zip(own).for_each(|(told, (_, [value, _]))| *told = *value);
     }
 }
 
@@ -207,46 +247,100 @@ fn is_corner(scene: &Scene, x: [f64; 2]) -> bool {
     edges[first].side != edges[second].side || !is_straight(&edges[first], &edges[second])
 }
 
-/// J with `[extrapolated, its uncertainty]`, what the points have, and the forces, by their paths; stresses that are infinite are left out,
-/// and components of forces that two sides share at a corner.
-pub(crate) fn quantities(
-    scene: &Scene,
-    (energy, known): (f64, Option<[f64; 2]>),
-    (all, probes): (&WithUncertainties, &[Probe]),
-    reactions: &[(String, [f64; 2])],
-    doubts: &[String],
-) -> Quantities {
-    let with = |value, uncertainty| Quantity { value, uncertainty, doubts: doubts.to_vec() };
-    let mut told = Quantities::new();
+/// The named quantities by their names; pressures are NaN where they are infinite.
+pub(crate) fn named(scene: &Scene, values: &[f64], infinite: impl Fn([f64; 2]) -> bool) -> Named {
+    let mut named = Named::default();
+    let mut values = values.iter().copied();
+    for NamedQuantity { name, kind } in &scene.quantities {
+        let Some(value) = values.next() else { break };
+        let group = match kind {
+            QuantityKind::PressureAt(x) => {
+                named.pressure.insert(name.clone(), if infinite(*x) { f64::NAN } else { value });
+                continue;
+            }
+            QuantityKind::MeanDisplacement(_) => {
+                named.mean_displacement.insert(name.clone(), [value, values.next().unwrap_or(f64::NAN)]);
+                continue;
+            }
+            QuantityKind::Moment { .. } => &mut named.moment,
+            QuantityKind::OpeningAt(_) => &mut named.opening,
+        };
+        group.insert(name.clone(), value);
+    }
+    named
+}
+
+/// What a result tells with the doubts of all of it.
+pub(crate) struct Told<'a> {
+    /// J, and `[extrapolated, its uncertainty]`.
+    pub energy: (f64, Option<[f64; 2]>),
+    /// The points of the scene.
+    pub probes: &'a [Probe],
+    /// The named quantities.
+    pub named: &'a Named,
+    /// Which of them are near an end of contact.
+    pub near: &'a [bool],
+    /// Words of doubts.
+    pub doubts: &'a [String],
+}
+
+/// J and the values with error bars by their paths; stresses that are infinite are left out, and what two sides share at a corner.
+pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantities {
+    let with = |value, uncertainty| Quantity { value, uncertainty, doubts: told.doubts.to_vec() };
+    let doubt = |quantity: &mut Quantity, doubt: Doubt| {
+        let is_new = !quantity.doubts.iter().any(|word| word == doubt.word());
+        quantity.doubts.extend(is_new.then(|| doubt.word().to_owned()));
+    };
+    let mut quantities = Quantities::new();
+    let (energy, known) = told.energy;
     if let Some([extrapolated, uncertainty]) = known {
-        told.insert("energy".to_owned(), with(energy, (extrapolated - energy).abs() + uncertainty));
+        quantities.insert("energy".to_owned(), with(energy, (extrapolated - energy).abs() + uncertainty));
     }
-    let coarse = Doubt::Coarse.word();
-    let of_points = OF_POINT.len() * all.points;
-    for (k, &[value, uncertainty]) in all.values.iter().enumerate().take(of_points) {
-        let point = k / OF_POINT.len();
-        let Probe { point: x, stress_unbounded, .. } = probes[point];
-        let is_stress = kind(k, all.points) == Kind::Stress;
-        if is_stress && stress_unbounded {
-            continue;
-        }
+    let first = all.entries.iter().position(|entry| matches!(entry.of, Of::Named(_))).unwrap_or(0);
+    for (k, (entry, &[value, uncertainty])) in all.entries.iter().zip(&all.values).enumerate() {
         let mut quantity = with(value, uncertainty);
-        let is_weak = if is_stress { is_corner(scene, x) } else { stress_unbounded };
-        if is_weak && uncertainty > SMALL * all.rounding(k) {
-            quantity.uncertainty *= OF_CORNER;
-            quantity.doubts.extend((!doubts.iter().any(|doubt| doubt == coarse)).then(|| coarse.to_owned()));
+        match entry.of {
+            Of::Point(point) => {
+                let Probe { point: x, stress_unbounded, .. } = told.probes[point];
+                let is_stress = entry.kind == Kind::Stress;
+                if is_stress && stress_unbounded {
+                    continue;
+                }
+                let is_weak = if is_stress { is_corner(scene, x) } else { stress_unbounded };
+                if is_weak && uncertainty > SMALL * all.rounding(k) {
+                    quantity.uncertainty *= OF_CORNER;
+                    doubt(&mut quantity, Doubt::Coarse);
+                }
+            }
+            Of::Force(side, i) => {
+                if shared(scene, side)[i] {
+                    continue;
+                }
+            }
+            Of::Named(of) => {
+                let NamedQuantity { name, kind } = &scene.quantities[of];
+                if let QuantityKind::Moment { side, .. } = *kind
+                    && !(is_known(scene, side) && shared(scene, side) == [false; 2])
+                {
+                    continue;
+                }
+                if told.named.pressure.get(name).is_some_and(|pressure| pressure.is_nan()) {
+                    continue;
+                }
+                if told.near.get(k - first).copied().unwrap_or(false) {
+                    doubt(&mut quantity, Doubt::Transition);
+                }
+            }
         }
-        told.insert(format!("probe.{point}.{}", OF_POINT[k % OF_POINT.len()]), quantity);
+        quantities.insert(entry.path.clone(), quantity);
     }
-    let of_forces = all.values.get(of_points..).unwrap_or_default().chunks_exact(2);
-    for ((_, side), components) in forces(scene, reactions).zip(of_forces) {
-        let shared = shared(scene, side);
-        for (k, &[value, uncertainty]) in components.iter().enumerate().filter(|(k, _)| !shared[*k]) {
-            let path = format!("reactions.{}.{}", scene.problem.sides[side].name, ["x", "y"][k]);
-            told.insert(path, with(value, uncertainty));
-        }
-    }
-    told
+    quantities
+}
+
+/// The components in which a side reacts.
+pub(crate) fn reacting(scene: &Scene, side: usize) -> [bool; 2] {
+    let own = scene.problem.outline.edges().iter().filter(|edge| edge.side == side);
+    own.map(|edge| reacts(scene, edge)).fold([false; 2], |all, own| [all[0] | own[0], all[1] | own[1]])
 }
 
 /// The components of the force that a support or an obstacle may have along an edge.

@@ -80,6 +80,9 @@ pub struct Summary {
     pub reach: Vec<ReachSummary>,
     /// Force on the body from each side that is held, in contact or on springs.
     pub reactions: BTreeMap<String, [f64; 2]>,
+    /// The numbers that the scene asks for by names.
+    #[serde(flatten)]
+    pub named: Named,
     /// Results at the probe points.
     pub probe: Vec<Probe>,
     /// Corners, tips of cracks, ends of conditions and of joints, and jumps of data at which the stress is infinite. Left out
@@ -107,6 +110,37 @@ pub struct Summary {
     pub seconds: SecondsSummary,
     /// Largest resident memory of the process.
     pub peak_memory_bytes: u64,
+}
+
+/// The numbers that a scene asks for by names; each group is left out if it is empty.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Named {
+    /// Pressures at points of the boundary; NaN, in JSON null, where they are infinite.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "map_of_numbers_or_null")]
+    pub pressure: BTreeMap<String, f64>,
+    /// Mean displacements of sides.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub mean_displacement: BTreeMap<String, [f64; 2]>,
+    /// Moments of reactions of sides, anticlockwise (force per thickness times length).
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub moment: BTreeMap<String, f64>,
+    /// Distances of two surfaces in the deformed state.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub opening: BTreeMap<String, f64>,
+}
+
+impl Named {
+    /// Paths and numbers.
+    pub fn numbers(&self) -> Vec<(String, f64)> {
+        let groups = [("pressure", &self.pressure), ("moment", &self.moment), ("opening", &self.opening)];
+        let single = |(group, all): (&str, &BTreeMap<String, f64>)| {
+            all.iter().map(|(name, value)| (format!("{group}.{name}"), *value)).collect::<Vec<_>>()
+        };
+        let mean = |(name, mean): (&String, &[f64; 2])| {
+            [("x", mean[0]), ("y", mean[1])].map(|(i, value)| (format!("mean_displacement.{name}.{i}"), value))
+        };
+        groups.into_iter().flat_map(single).chain(self.mean_displacement.iter().flat_map(mean)).collect()
+    }
 }
 
 /// Contact in numbers.
@@ -388,6 +422,12 @@ where
 /// A number, NaN where there is null.
 fn number_or_null<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::NAN))
+}
+
+/// Numbers by names, NaN where there is null.
+fn map_of_numbers_or_null<'de, D: serde::Deserializer<'de>>(from: D) -> Result<BTreeMap<String, f64>, D::Error> {
+    let numbers = BTreeMap::<String, Option<f64>>::deserialize(from)?;
+    Ok(numbers.into_iter().map(|(name, number)| (name, number.unwrap_or(f64::NAN))).collect())
 }
 
 /// Wall seconds of the parts, summed over the steps.

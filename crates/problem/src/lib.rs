@@ -45,6 +45,7 @@ mod outcome;
 mod outcomes;
 mod probe;
 mod problem;
+mod quantities;
 mod random;
 mod random_check;
 mod separate;
@@ -83,6 +84,7 @@ pub use method::{
 pub use moduli::{check_modulus_cells, field_cells, moduli, modulus_cells, poisson_ratios};
 pub use probe::{MOST_POINTS, ProbeLine, Spot};
 pub use problem::{Body, Faces, Interface, Law, Other, Place, Problem, Substance};
+pub use quantities::{NamedQuantity, QuantityKind, Surfaces};
 pub use random::{Germ, Random, RandomConstants, RandomName, Sampling, Stochastic};
 pub use random_check::Uses;
 pub use sides::{Condition, Contact, Friction, Side, Springs, Tie};
@@ -107,6 +109,8 @@ pub struct Scene {
     pub probe_lines: Vec<ProbeLine>,
     /// Sides along which results are wanted.
     pub probe_sides: Vec<usize>,
+    /// Numbers that are wanted, by names.
+    pub quantities: Vec<NamedQuantity>,
     /// How to solve.
     pub method: Method,
     /// What the result must be.
@@ -149,6 +153,7 @@ impl Scene {
             probe: Vec::new(),
             probe_lines: Vec::new(),
             probe_sides: Vec::new(),
+            quantities: Vec::new(),
             method: Method::default(),
             expect: Vec::new(),
             random: None,
@@ -187,6 +192,7 @@ impl Scene {
         self.check_joints()?;
         self.check_random()?;
         self.check_probes()?;
+        self.check_quantities()?;
         self.check_data()?;
         self.check_jumps()?;
         self.check_stiffness()?;

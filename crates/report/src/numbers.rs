@@ -1,7 +1,9 @@
 //! The numbers of a result, each with its unit and beside what is known of its error.
 
+use std::collections::BTreeMap;
+
 use steklov_model::stochastic::StochasticResult;
-use steklov_model::summary::{ContactSummary, InterfaceSummary, Summary};
+use steklov_model::summary::{ContactSummary, InterfaceSummary, Named, Summary};
 use steklov_picture::short;
 use steklov_problem::Units;
 use steklov_result::record::Record;
@@ -33,6 +35,8 @@ pub(crate) enum Unit {
     Force,
     /// Stress × length².
     Energy,
+    /// The same of a moment.
+    Moment,
     /// (Stress × length²)^½.
     EnergyNorm,
     /// 1 / stress.
@@ -44,8 +48,11 @@ impl Unit {
     fn of_path(path: &str) -> Self {
         let has = |words: &[&str]| path.split('.').any(|key| words.iter().any(|word| key.ends_with(word)));
         match () {
-            // before all others: what follows is the name of a side
+            // before all others: what follows is a name of the scene
             () if path.starts_with("reactions.") => Self::Force,
+            () if path.starts_with("pressure.") => Self::Stress,
+            () if ["mean_displacement.", "opening."].iter().any(|group| path.starts_with(group)) => Self::Length,
+            () if path.starts_with("moment.") => Self::Moment,
             () if has(&["energy", "work"]) => Self::Energy,
             () if has(&["stress", "pressure", "von_mises"]) => Self::Stress,
             () if has(&["force", "resultant"]) => Self::Force,
@@ -62,7 +69,7 @@ impl Unit {
             Self::Length => length.cloned(),
             Self::Stress => stress.cloned(),
             Self::Force => Some(format!("{} {}", stress?, length?)),
-            Self::Energy => Some(format!("{} {}²", stress?, length?)),
+            Self::Energy | Self::Moment => Some(format!("{} {}²", stress?, length?)),
             Self::EnergyNorm => Some(format!("({} {}²)^½", stress?, length?)),
             Self::Compliance => Some(format!("1/{}", stress?)),
         }
@@ -129,6 +136,7 @@ pub(crate) fn rows(s: &Summary) -> Vec<Row> {
     let mut rows = energies(s);
     rows.extend(s.contact.iter().flat_map(of_contact));
     rows.extend(of_forces(s));
+    rows.extend(of_names(s));
     rows.extend(of_parts(s));
     rows
 }
@@ -193,6 +201,28 @@ fn of_contact(c: &ContactSummary) -> Vec<Row> {
         let critical = within("below the critical ", s.critical_gamma, DIGITS, "");
         rows.push(row("stabilisation γ₀", one(s.gamma), Unit::Compliance, critical));
     }
+    rows
+}
+
+/// The numbers that the scene asks for by names, with their error bars.
+fn of_names(s: &Summary) -> Vec<Row> {
+    let Named { pressure, mean_displacement, moment, opening } = &s.named;
+    let bar = |path: &str| s.quantities.get(path).map_or(Vec::new(), |told| within("± ", told.uncertainty, 2, ""));
+    let single = |group: &str, what: &str, unit: Unit, all: &BTreeMap<String, f64>| -> Vec<Row> {
+        let of = |(name, value): (&String, &f64)| {
+            row(format!("{what} {name}"), one(*value), unit, bar(&format!("{group}.{name}")))
+        };
+        all.iter().map(of).collect()
+    };
+    let mut rows = single("pressure", "pressure", Unit::Stress, pressure);
+    for (name, mean) in mean_displacement {
+        for (component, value) in ["x", "y"].into_iter().zip(mean) {
+            let path = format!("mean_displacement.{name}.{component}");
+            rows.push(row(format!("mean displacement {name}, {component}"), one(*value), Unit::Length, bar(&path)));
+        }
+    }
+    rows.extend(single("moment", "moment", Unit::Moment, moment));
+    rows.extend(single("opening", "opening", Unit::Length, opening));
     rows
 }
 

@@ -7,7 +7,7 @@ use steklov_model::doubt::Doubt;
 use steklov_model::estimators::Estimators;
 use steklov_model::run::adaptive_loop::Reason;
 use steklov_model::summary::{
-    Audit, ContactSummary, Expected, GridSummary, LineProbe, MediumSummary, SideProbe, Summary,
+    Audit, ContactSummary, Expected, GridSummary, LineProbe, MediumSummary, Named, SideProbe, Summary,
 };
 use steklov_picture::plain;
 use steklov_plan::{MODULI, RATIOS};
@@ -65,14 +65,20 @@ fn vector_beside<const N: usize>(components: [f64; N], largest: f64) -> String {
 /// The same with the uncertainties that are known, and the digits that these leave.
 fn with_bars<const N: usize>(components: [f64; N], uncertainties: [Option<f64>; N], largest: f64) -> String {
     let largest = components.iter().fold(largest, |largest, c| largest.max(c.abs()));
-    let told = components.iter().zip(uncertainties).map(|(&value, uncertainty)| match uncertainty {
+    let told =
+        components.iter().zip(uncertainties).map(|(&value, uncertainty)| one_with_bar(value, uncertainty, largest));
+    format!("({})", told.collect::<Vec<_>>().join(", "))
+}
+
+/// A number with its uncertainty, if that is known, and the digits that it leaves; without one a part of the largest of its kind.
+fn one_with_bar(value: f64, uncertainty: Option<f64>, largest: f64) -> String {
+    match uncertainty {
         Some(bar) if bar > 0.0 => {
             let value = if value.abs() < bar { 0.0 } else { value };
             format!("{} ± {}", plain(value, digits(value, bar)), plain(bar, DIGITS_OF_BARS))
         }
         _ => part(value, largest),
-    });
-    format!("({})", told.collect::<Vec<_>>().join(", "))
+    }
 }
 
 /// The lines of a result.
@@ -93,6 +99,7 @@ pub fn lines(stored: &Record) -> Vec<String> {
     interfaces(s, &mut lines);
     stress(stored, &mut lines);
     probes(stored, &mut lines);
+    named(s, &mut lines);
     if let Some(exterior) = &s.exterior {
         far_away(exterior, &mut lines);
     }
@@ -266,6 +273,27 @@ fn probes(stored: &Record, lines: &mut Lines) {
     for SideProbe { side, points } in &s.probe_sides {
         let all: Vec<_> = points.iter().map(|p| (p.stress_unbounded, p.von_mises, p.point)).collect();
         lines.say("side", format!("{side}: {} points{}", points.len(), peak(&all)));
+    }
+}
+
+/// The numbers that the scene asks for by names.
+fn named(s: &Summary, lines: &mut Lines) {
+    let Named { pressure, mean_displacement, moment, opening } = &s.named;
+    let uncertainty = |path: String| Some(s.quantities.get(&path)?.uncertainty);
+    for (group, what, all) in
+        [("pressure", "pressure", pressure), ("moment", "moment", moment), ("opening", "opening", opening)]
+    {
+        for (name, &value) in all {
+            let told = match value.is_nan() {
+                true => "infinite, whatever the mesh".to_owned(),
+                false => one_with_bar(value, uncertainty(format!("{group}.{name}")), value.abs()),
+            };
+            lines.say(what, format!("{name} = {told}"));
+        }
+    }
+    for (name, mean) in mean_displacement {
+        let uncertainties = ["x", "y"].map(|i| uncertainty(format!("mean_displacement.{name}.{i}")));
+        lines.say("mean", format!("{name}: u = {}", with_bars(*mean, uncertainties, 0.0)));
     }
 }
 

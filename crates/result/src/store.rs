@@ -1,6 +1,6 @@
 //! The layout of the result file.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -162,7 +162,27 @@ fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
             &label("force/thickness", &meaning, &["component"]),
         )?;
     }
-    probes::save(at, &record.summary)
+    probes::save(at, &record.summary)?;
+    save_quantities(at, &record.summary)
+}
+
+/// The numbers with error bars, and those that the scene asks for by names; nothing without any.
+fn save_quantities(at: &Group, summary: &Summary) -> Result<(), IoError> {
+    let mut told: BTreeMap<String, [f64; 2]> =
+        summary.quantities.iter().map(|(path, told)| (path.clone(), [told.value, told.uncertainty])).collect();
+    for (path, value) in summary.named.numbers() {
+        told.entry(path).or_insert([value, f64::NAN]);
+    }
+    if told.is_empty() {
+        return Ok(());
+    }
+    let at = create_group(at, "quantities")?;
+    let paths: Vec<String> = told.keys().cloned().collect();
+    save_texts(&at, "paths", &paths, "paths of the numbers in the JSON object", "quantity")?;
+    let column = |k: usize| told.values().map(|pair| pair[k]).collect::<Vec<_>>();
+    save_vector(&at, "values", &column(0), &label("as each", "the numbers", &["quantity"]))?;
+    let meaning = "how far the exact number may be from it, to both sides; NaN where that is not known";
+    save_vector(&at, "uncertainties", &column(1), &label("as each", meaning, &["quantity"]))
 }
 
 /// A name for a side in a group, different from all names in it.

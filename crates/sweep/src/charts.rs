@@ -10,8 +10,20 @@ use crate::sweep::plain;
 use crate::{Quantities, Sweep, SweepError};
 
 /// Quantities that are drawn, by the beginnings of their paths; the others are measures of the work and its checks.
-const DRAWN: [&str; 8] =
-    ["energy", "contact.", "interfaces.", "reactions.", "probe.", "stochastic.", "friction_work", "estimate_relative"];
+const DRAWN: [&str; 12] = [
+    "energy",
+    "contact.",
+    "interfaces.",
+    "reactions.",
+    "probe.",
+    "pressure.",
+    "mean_displacement.",
+    "moment.",
+    "opening.",
+    "stochastic.",
+    "friction_work",
+    "estimate_relative",
+];
 
 /// Most panels of a picture, and lines of a panel.
 const PANELS: usize = 6;

@@ -125,6 +125,7 @@ pub(super) static SCENE: Table = table(
             "A force on the whole of all bodies that have none of their own.",
         ),
         key("probe", Form::Table(&PROBE), "", "Points, lines and sides at which results are wanted."),
+        key("quantities", Form::Table(&QUANTITIES), "", "Numbers that are wanted, by names."),
         key("method", Form::Table(&METHOD), "", "How the problem is solved.").without("the defaults of its keys"),
         key("expect", Form::Table(&EXPECT), "", "Numbers that the result is compared with."),
         key("random", Form::Table(&RANDOM), "", "Random numbers and fields that expressions may use by their names."),
@@ -286,6 +287,39 @@ pub(super) static PROBE_LINE: Table = table(
         key("from", Point, "length", "Its first point.").required(),
         key("to", Point, "length", "Its last point.").required(),
         key("points", Form::Whole(LINE_POINTS), "", "Number of its points, ends included.").or(|| POINTS.to_string()),
+    ],
+);
+
+static QUANTITIES: Table = names(
+    "quantities",
+    "Numbers of the result by names of one's own, of boundary elements.",
+    Form::Table(&QUANTITY),
+    "A name of letters, digits and _. The JSON object has the number as `pressure.NAME`, `mean_displacement.NAME`, `moment.NAME` or \
+     `opening.NAME`.",
+);
+pub(super) static QUANTITY: Table = table(
+    "quantities.NAME",
+    "One of the numbers below.",
+    &[
+        key("pressure_at", Point, "length", "A point of the boundary: the pressure on it, -n·σn.")
+            .without("one of the four is required"),
+        key("mean_displacement", Text, "", "A side: the mean of its displacement over its length, x and y.")
+            .without("one of the four is required"),
+        key(
+            "moment",
+            Text,
+            "",
+            "A side: the moment, anticlockwise, of what a support, springs, an obstacle or another body do to it.",
+        )
+        .without("one of the four is required"),
+        key("about", Point, "length", "The point about which `moment` is taken.").without("required with `moment`"),
+        key(
+            "opening_at",
+            Point,
+            "length",
+            "A point of a crack or of a side that may touch something: the distance of both surfaces after the deformation.",
+        )
+        .without("one of the four is required"),
     ],
 );
 

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use faer::Mat;
 use steklov_bem_operators::{Enriched, Mesh, Site, Space, side_moments};
 use steklov_contact::oscillation;
-use steklov_elastic::plane::dot;
+use steklov_elastic::plane::{cross, dot, minus};
 use steklov_expression::Expression;
 use steklov_problem::STIFFNESS;
 use steklov_quadrature::{LobattoBasis, legendre_p};
@@ -238,6 +238,17 @@ impl Springs {
             });
         }
         forces.into_iter().collect()
+    }
+
+    /// -∫ (x - c) × K u of a side with springs: the moment of their force on the body about c.
+    pub(crate) fn moment(&self, data: &OnMesh<'_>, displacement: &[f64], side: usize, about: [f64; 2]) -> f64 {
+        let mut moment = 0.0;
+        for own in self.elements.iter().filter(|own| data.mesh.side[own.element] == side) {
+            own.each(&own.unknowns(data.space), displacement, &mut |point, weight, d, along| {
+                moment -= weight * along * cross(minus(data.mesh.point(own.element, point.t), about), d);
+            });
+        }
+        moment
     }
 
     /// The first-order gain of J from the part of particular solutions that the nodes miss: ∫ K u·(u_p - I_p u_p).

@@ -53,8 +53,7 @@ impl Supports<'_> {
         self.held[dof / 2].components[dof % 2].is_some()
     }
 
-    /// Force of the supports on the body, side by side: the residuals at held unknowns. Where two sides hold a component of a
-    /// common node, each takes the moment of the traction on its own elements (`traction(e, j)`) and half of the rest.
+    /// Force of the supports on the body, side by side.
     pub fn reactions(
         &self,
         residual: &[f64],
@@ -62,9 +61,25 @@ impl Supports<'_> {
         sides: &[Side],
         traction: impl Fn(usize, usize) -> [f64; 2],
     ) -> Vec<(usize, [f64; 2])> {
+        let mut reactions = vec![[0.0; 2]; sides.len()];
+        self.each_reaction(residual, mesh, sides, traction, |side, _, i, force| reactions[side][i] += force);
+        let held = |side: usize| sides[side].holds(0) || sides[side].holds(1);
+        reactions.into_iter().enumerate().filter(|&(side, _)| held(side)).collect()
+    }
+
+    /// Calls `call` with the side, node, component and size of each force of the supports on the body: the residuals at held unknowns.
+    /// Where two sides hold a component of a common node, each takes the moment of the traction on its own elements (`traction(e, j)`) and
+    /// half of the rest.
+    pub(crate) fn each_reaction(
+        &self,
+        residual: &[f64],
+        mesh: &Mesh,
+        sides: &[Side],
+        traction: impl Fn(usize, usize) -> [f64; 2],
+        mut call: impl FnMut(usize, usize, usize, f64),
+    ) {
         let holds = |side: usize, component: usize| sides[side].holds(component);
         let previous = mesh.previous();
-        let mut reactions = vec![[0.0; 2]; sides.len()];
         for e in 0..mesh.len() {
             for j in 0..self.space.degree(e) {
                 let node = self.space.node(e, j);
@@ -77,17 +92,15 @@ impl Supports<'_> {
                             let a = traction(e, 0)[i];
                             let b = traction(before, self.space.degree(before))[i];
                             let rest = (force - a - b) / 2.0;
-                            reactions[here][i] += a + rest;
-                            reactions[there][i] += b + rest;
+                            call(here, node, i, a + rest);
+                            call(there, node, i, b + rest);
                         }
-                        (true, false) => reactions[here][i] += force,
-                        (false, true) => reactions[there][i] += force,
+                        (true, false) => call(here, node, i, force),
+                        (false, true) => call(there, node, i, force),
                         (false, false) => {}
                     }
                 }
             }
         }
-        let held = |side: usize| holds(side, 0) || holds(side, 1);
-        reactions.into_iter().enumerate().filter(|&(side, _)| held(side)).collect()
     }
 }

@@ -11,7 +11,8 @@ use std::collections::BTreeSet;
 use steklov_bem_operators::{BoundaryField, Enriched, Raised};
 use steklov_contact::ContactBubble;
 use steklov_elastic::RigidMotion;
-use steklov_problem::{Condition, Scene};
+use steklov_elastic::plane::{cross, minus};
+use steklov_problem::{Condition, QuantityKind, Scene};
 
 use crate::data::body_load::Particulars;
 use crate::data::on_mesh::OnMesh;
@@ -47,19 +48,23 @@ pub(crate) fn both(
     }
     let (_, mut correction) = system.correction(&residual, ENOUGH_FOR_QUANTITIES);
     correction.add(1.0, &missed);
-    let mut both: Vec<[f64; 2]> = Vec::new();
-    if let Some(field) = field(body, (solved, factors), elastic, &correction) {
-        let plus = ElasticField { field: &field, ..solved.elastic_field() };
-        let values = quantities::values(scene, &solved.elastic_field()).into_iter();
-        both.extend(values.zip(quantities::values(scene, &plus)).map(|(value, plus)| [value, plus]));
-    }
     // S₊u₊ - S u on the nodes
     let mut change = system.multiply(&correction).base;
     change.iter_mut().zip(&right.base).for_each(|(force, r)| *force -= r);
-    for (force, nodes) in quantities::forces(scene, &solved.reactions).map(|(force, side)| (force, data.nodes_of(side)))
-    {
-        let of = |i: usize| force[i] + nodes.iter().map(|node| change[2 * node + i]).sum::<f64>();
-        both.extend([0, 1].map(|i| [force[i], of(i)]));
+    let mut both: Vec<[f64; 2]> = Vec::new();
+    let field = field(body, (solved, factors), elastic, &correction);
+    let plus = field.as_ref().map(|field| ElasticField { field, ..solved.elastic_field() });
+    let pair = |value: Vec<f64>, plus: Vec<f64>| value.into_iter().zip(plus).map(|(value, plus)| [value, plus]);
+    if let Some(plus) = &plus {
+        both.extend(pair(quantities::at_points(scene, &solved.elastic_field()), quantities::at_points(scene, plus)));
+    }
+    for (force, side) in quantities::forces(scene, &solved.reactions) {
+        let gained = data.change_of_force(side, &change);
+        both.extend([0, 1].map(|i| [force[i], force[i] + gained[i]]));
+    }
+    if let Some(plus) = &plus {
+        let moments = data.moments_with(&solved.moments, &change);
+        both.extend(pair(data.named(&solved.elastic_field(), &solved.moments), data.named(plus, &moments)));
     }
     Ok(both)
 }
@@ -67,7 +72,7 @@ pub(crate) fn both(
 /// Whether quantities are asked for, and no medium has a part in them.
 fn is_known(scene: &Scene, solved: &Solved) -> bool {
     let bounded = scene.problem.bodies.iter().all(|body| body.far.is_none());
-    let asked = !scene.probe.is_empty() || quantities::forces(scene, &solved.reactions).next().is_some();
+    let asked = quantities::needs_tractions(scene) || quantities::forces(scene, &solved.reactions).next().is_some();
     asked && scene.random.is_none() && bounded && solved.around.is_none()
 }
 
@@ -135,8 +140,34 @@ fn field<'b>(
 impl OnMesh<'_> {
     /// The nodes of a side.
     fn nodes_of(&self, side: usize) -> BTreeSet<usize> {
-        let elements = (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == side);
-        elements.flat_map(|e| self.space.element_nodes(e)).collect()
+        self.elements_of(side).flat_map(|e| self.space.element_nodes(e)).collect()
+    }
+
+    /// The change of the force of a side by that of the nodal forces.
+    fn change_of_force(&self, side: usize, change: &[f64]) -> [f64; 2] {
+        let reacts = quantities::reacting(self.scene, side);
+        let sum = |i: usize| self.nodes_of(side).iter().map(|node| change[2 * node + i]).sum::<f64>();
+        [0, 1].map(|i| if reacts[i] { sum(i) } else { 0.0 })
+    }
+
+    /// The moments of the nodal forces with their change.
+    fn moments_with(&self, moments: &[f64], change: &[f64]) -> Vec<f64> {
+        let of = |(side, about): (usize, [f64; 2]), moment: f64| {
+            if !self.is_balanced(side) {
+                return moment;
+            }
+            let reacts = quantities::reacting(self.scene, side);
+            let gained = |&node: &usize| {
+                let force = [0, 1].map(|i| if reacts[i] { change[2 * node + i] } else { 0.0 });
+                cross(minus(self.space.points[node], about), force)
+            };
+            moment + self.nodes_of(side).iter().map(gained).sum::<f64>()
+        };
+        let sides = self.scene.quantities.iter().filter_map(|quantity| match quantity.kind {
+            QuantityKind::Moment { side, about } => Some((side, about)),
+            _ => None,
+        });
+        sides.zip(moments).map(|(side, &moment)| of(side, moment)).collect()
     }
 
     /// The coefficients of the bubbles in held displacements less their interpolants: element, component, value.

@@ -7,7 +7,7 @@ use steklov_problem::{Condition, Scene, Side, Spot};
 use super::error_parts::{FAILING, GridEstimate};
 use super::solution::GridSolved;
 use crate::answer::probes;
-use crate::quantities::WithUncertainties;
+use crate::quantities::Bars;
 use crate::run::report::Report;
 use crate::solve::medium::Around;
 use crate::summary::{GridSummary, Probe, SideProbe};
@@ -79,7 +79,9 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         located: None,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(probe).collect(),
-        bars: WithUncertainties::default(),
+        named: Vec::new(),
+        near: Vec::new(),
+        bars: Bars::default(),
         lines: probes::lines(scene, |spot, x| solved.at_spot(spot, x)),
         sides: solved.along_sides(scene, &scene.probe_sides),
         grid: Some(grid_summary(solved)),

@@ -9,7 +9,7 @@ use crate::answer::singular_points;
 use crate::answer::small_strain::is_large;
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
-use crate::quantities::quantities;
+use crate::quantities::{Told, named, quantities};
 use crate::run::adaptive_loop::{Model, Reason, Run};
 use crate::run::expect::expected;
 use crate::run::report::Report;
@@ -45,11 +45,14 @@ pub fn answer<M: Model>(
     rows: &[ContactRow],
     outcomes: Option<&StochasticResult>,
 ) -> Summary {
-    let Report { energies, contact, mut probe, mut lines, mut sides, exterior, .. } = report;
+    let Report { energies, contact, mut probe, mut lines, mut sides, exterior, named: mut values, .. } = report;
     let exact = M::is_exact(run);
     // an exact field has no singular part
     let singular = if exact { Vec::new() } else { singular_points::singular_points(scene, report.trace.mesh, rows) };
-    probes::tell_unbounded(&mut probe, &mut lines, &mut sides, singular_points::is_among(scene, &singular));
+    let infinite = singular_points::is_among(scene, &singular);
+    probes::tell_unbounded(&mut probe, &mut lines, &mut sides, &infinite);
+    report.bars.tell(&mut values);
+    let named = named(scene, &values, infinite);
     let told = || singular_points::told(scene, report.trace.mesh, rows, singular);
     let infinite_stress = if exact { Vec::new() } else { told() };
     let mut doubts = report.doubts;
@@ -64,8 +67,9 @@ pub fn answer<M: Model>(
         doubts.push(Doubt::Facets);
     }
     let doubts: Vec<String> = doubts.iter().map(|doubt| doubt.word().to_owned()).collect();
-    let quantities =
-        quantities(scene, (energies.total, report.energy), (&report.bars, &probe), report.reactions, &doubts);
+    let energy = (energies.total, report.energy);
+    let told = Told { energy, probes: &probe, named: &named, near: &report.near, doubts: &doubts };
+    let quantities = quantities(scene, &report.bars, told);
     let mut summary = Summary {
         title: scene.title.clone(),
         units: scene.units.clone(),
@@ -105,6 +109,7 @@ pub fn answer<M: Model>(
         reach: report.reach,
         audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: report.reactions.iter().cloned().collect(),
+        named,
         probe,
         infinite_stress,
         probe_lines: lines,

@@ -15,7 +15,7 @@ use crate::estimate::elastic::EnrichedBody;
 use crate::estimate::error_estimate::{Estimate, ROUNDOFF, estimate, is_estimated};
 use crate::estimate::penetration::Unseen;
 use crate::mesh::layout::{Layout, MeshedCuts};
-use crate::quantities::{WithUncertainties, needs_tractions};
+use crate::quantities::{Bars, needs_tractions};
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, run, seconds_of};
 use crate::run::boundary_report;
 use crate::run::memory::{Lack, lack};
@@ -220,7 +220,8 @@ impl Model for BoundaryElements {
     fn report<'a>(scene: &Scene, run: &'a Run<BoundaryElements>) -> Report<'a> {
         let step = run.step();
         let estimates: Option<Vec<&Estimate>> = run.progress.steps.iter().map(|step| step.estimate.as_ref()).collect();
-        let bars = estimates.map(|estimates| WithUncertainties::new(scene, &estimates)).unwrap_or_default();
+        let reactions = &run.last.reactions;
+        let bars = estimates.map(|estimates| Bars::new(scene, reactions, &estimates)).unwrap_or_default();
         boundary_report::report(scene, &run.last, (step.estimate.as_ref(), bars), &step.layout.located)
     }
 

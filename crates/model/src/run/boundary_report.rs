@@ -12,7 +12,7 @@ use crate::data::on_mesh::OnMesh;
 use crate::estimate::error_estimate::Estimate;
 use crate::estimate::residual::estimator;
 use crate::estimators::Estimators;
-use crate::quantities::WithUncertainties;
+use crate::quantities::Bars;
 use crate::run::adaptive_loop::Model as _;
 use crate::run::boundary_elements::BoundaryElements;
 use crate::run::report::Report;
@@ -28,14 +28,14 @@ const BALANCED: f64 = 1e-6;
 pub(crate) fn report<'a>(
     scene: &Scene,
     solved: &'a Solved,
-    (estimate, bars): (Option<&Estimate>, WithUncertainties),
+    (estimate, bars): (Option<&Estimate>, Bars),
     transitions: &'a [Located],
 ) -> Report<'a> {
     let located = located(scene, transitions);
+    let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
     let (mut interfaces, mut reach) = (Vec::new(), Vec::new());
     if scene.problem.has_several_bodies() {
         let rows = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
-        let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
         // a mesh that was solved has them
         let joints = data.joints().unwrap_or_default();
         interfaces = interfaces::interfaces(scene, solved, &joints, &rows, located);
@@ -54,6 +54,8 @@ pub(crate) fn report<'a>(
         located,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(|&x| solved.probe(scene, x)).collect(),
+        named: data.named(&solved.elastic_field(), &solved.moments),
+        near: data.near_transitions(transitions),
         bars,
         lines: probes::lines(scene, |spot, x| solved.at(spot, x)),
         sides: BoundaryElements::along_sides(scene, solved, &scene.probe_sides),

@@ -5,6 +5,7 @@ use steklov_expression::nearest;
 use steklov_problem::{DataError, DataErrorKind as Kind, Law, Scene};
 
 use crate::estimators::{Estimator, Estimators, IN_CELLS, IN_COARSE_CELLS, ON_BOUNDARY, ON_INTERFACE, TRUNCATION};
+use crate::quantities::named;
 use crate::stochastic::paths_of;
 use crate::summary::{
     Audit, BodySummary, ContactSummary, Expected, GridSummary, InterfaceSummary, LinePoint, LineProbe, MediumSummary,
@@ -123,6 +124,7 @@ fn shape(scene: &Scene) -> Value {
         reach: if several { vec![of_reach()] } else { Vec::new() },
         reactions: problem.sides.iter().map(|side| (side.name.clone(), [0.0; 2])).collect(),
         probe: if scene.probe.is_empty() { Vec::new() } else { vec![probe] },
+        named: named(scene, &vec![0.0; 2 * scene.quantities.len()], |_| false),
         infinite_stress: Vec::new(),
         probe_lines: if scene.probe_lines.is_empty() { Vec::new() } else { vec![of_line()] },
         probe_sides: if scene.probe_sides.is_empty() { Vec::new() } else { vec![of_side()] },

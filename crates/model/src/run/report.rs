@@ -5,7 +5,7 @@ use steklov_contact::Located;
 use crate::doubt::Doubt;
 use crate::energies::Energies;
 use crate::estimators::Estimators;
-use crate::quantities::WithUncertainties;
+use crate::quantities::Bars;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::Trace;
 use crate::solve::medium::Around;
@@ -35,8 +35,12 @@ pub struct Report<'a> {
     pub reactions: &'a [(String, [f64; 2])],
     /// Displacement and stress at the points of the scene.
     pub probe: Vec<Probe>,
-    /// Displacement and stress at these points, and forces of sides, with their uncertainties; empty where these are not known.
-    pub bars: WithUncertainties,
+    /// The named quantities of the scene in their order.
+    pub named: Vec<f64>,
+    /// Which of them are within an element of an end of contact.
+    pub near: Vec<bool>,
+    /// What has error bars; empty where these are not known.
+    pub bars: Bars,
     /// The same along its lines.
     pub lines: Vec<LineProbe>,
     /// The same along its sides, with tractions.

@@ -62,6 +62,14 @@ impl ContactResult {
             None => self.boundary.force(side, &self.solution.multipliers),
         }
     }
+
+    /// Moment about a point of the force of the obstacle on the body over a side; zero with stabilised multipliers.
+    pub(crate) fn moment(&self, side: usize, about: [f64; 2], points: &[[f64; 2]]) -> f64 {
+        match self.stabilised {
+            Some(_) => 0.0,
+            None => self.boundary.moment(side, &self.solution.multipliers, points, about),
+        }
+    }
 }
 
 /// A motion that leaves an obstacle slower than this part of its fastest point touches it.

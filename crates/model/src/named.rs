@@ -1,0 +1,175 @@
+//! The numbers that a scene asks for by names, on a mesh.
+//!
+//! ```text
+//! pressure            -n·t at a point, at a vertex the mean of both elements
+//! mean displacement   (1/L) ∫ u ds by Gauss's rule on each element
+//! moment              Σ_i (x_i - c) × R_i + ∫ (w - I_p w)·t ds,   w = (x - c) turned by 90°, R_i the forces that hold the nodes
+//! opening             g - u_n against an obstacle, g + (u' - u)·d against the pair of a point along the direction d of contact
+//! ```
+//! A moment by the balance of nodal forces is 10 to 150 times nearer than ∫ (x - c) × t, which it is between bodies and with stabilised
+//! multipliers; w - I_p w is zero on straight elements.
+
+use steklov_bem_operators::{Mesh, SAME_PLACE, Site};
+use steklov_contact::Located;
+use steklov_elastic::plane::{cross, dot, minus};
+use steklov_problem::{Friction, Multiplier, QuantityKind, Surfaces};
+use steklov_quadrature::gauss_legendre;
+
+use crate::data::on_mesh::OnMesh;
+use crate::solve::fields::ElasticField;
+
+/// Points of Gauss's rule beyond the degree of an element: on lines products of polynomials, on curves the speed has to be followed.
+const MORE: [usize; 2] = [2, 16];
+
+/// How many numbers a quantity has.
+pub(crate) fn components(kind: &QuantityKind) -> usize {
+    if matches!(kind, QuantityKind::MeanDisplacement(_)) { 2 } else { 1 }
+}
+
+impl OnMesh<'_> {
+    /// The quantities of the scene in their order; `balance` are the moments of the nodal forces, in the order of the moments.
+    pub(crate) fn named(&self, field: &ElasticField<'_>, balance: &[f64]) -> Vec<f64> {
+        let mut balance = balance.iter();
+        let mut values = Vec::new();
+        for quantity in &self.scene.quantities {
+            match quantity.kind {
+                QuantityKind::PressureAt(x) => values.push(self.pressure(field, x)),
+                QuantityKind::MeanDisplacement(side) => values.extend(self.mean_displacement(field, side)),
+                QuantityKind::Moment { side, about } => {
+                    let of_nodes = balance.next().copied().unwrap_or(f64::NAN);
+                    values.push(of_nodes + self.moment_of_traction(field, side, about));
+                }
+                QuantityKind::OpeningAt(x) => values.push(self.opening(field, x)),
+            }
+        }
+        values
+    }
+
+    fn pressure(&self, field: &ElasticField<'_>, x: [f64; 2]) -> f64 {
+        let Ok((edge, s)) = self.scene.problem.pressed_at(x) else { return f64::NAN };
+        self.on_edge(edge, s, |e, t| -dot(field.traction(e, t), self.mesh.normal(e, t)))
+    }
+
+    /// A number at the edge parameter s of an edge; between two of its elements the mean of both.
+    fn on_edge(&self, edge: usize, s: f64, of: impl Fn(usize, f64) -> f64) -> f64 {
+        let at = elements_at(self.mesh, edge, s);
+        at.iter().map(|&(e, t)| of(e, t)).sum::<f64>() / at.len() as f64
+    }
+
+    fn mean_displacement(&self, field: &ElasticField<'_>, side: usize) -> [f64; 2] {
+        let (mut sum, mut length) = ([0.0; 2], 0.0);
+        for e in self.elements_of(side) {
+            self.integrate(e, |t, ds| {
+                let (u, _) = field.on_boundary(e, t);
+                (0..2).for_each(|i| sum[i] += ds * u[i]);
+                length += ds;
+            });
+        }
+        sum.map(|sum| sum / length)
+    }
+
+    /// The elements of a side.
+    pub(crate) fn elements_of(&self, side: usize) -> impl Iterator<Item = usize> {
+        (0..self.mesh.len()).filter(move |&e| self.mesh.side[e] == side)
+    }
+
+    /// Calls `call` with the points of an element and their weights ds.
+    fn integrate(&self, e: usize, mut call: impl FnMut(f64, f64)) {
+        let rule = gauss_legendre(self.space.degree(e) + MORE[usize::from(!self.mesh.is_line(e))]);
+        rule.points.iter().zip(&rule.weights).for_each(|(&t, &w)| call(t, w * self.mesh.speed(e, t)));
+    }
+
+    /// Whether the moment of a side is that of its nodal forces, and not ∫ (x - c) × t; stabilised multipliers have none at nodes.
+    pub(crate) fn is_balanced(&self, side: usize) -> bool {
+        let (problem, own) = (&self.scene.problem, &self.scene.problem.sides[side]);
+        let touched = problem.contact(side).is_some() && self.scene.method.multiplier == Multiplier::Biorthogonal;
+        own.holds(0) || own.holds(1) || own.springs.is_some() || touched
+    }
+
+    /// ∫ w·t of a side, or the part of it that its nodes do not have.
+    fn moment_of_traction(&self, field: &ElasticField<'_>, side: usize, about: [f64; 2]) -> f64 {
+        let balanced = self.is_balanced(side);
+        // the forces of springs are integrals themselves
+        if balanced && self.scene.problem.sides[side].springs.is_some() {
+            return 0.0;
+        }
+        let mut sum = 0.0;
+        for e in self.elements_of(side).filter(|&e| !balanced || !self.mesh.is_line(e)) {
+            let basis = self.space.basis(e);
+            let nodes: Vec<[f64; 2]> = self.space.element_nodes(e).map(|node| self.space.points[node]).collect();
+            let mut phi = vec![0.0; nodes.len()];
+            self.integrate(e, |t, ds| {
+                let mut arm = minus(self.mesh.point(e, t), about);
+                if balanced {
+                    basis.evaluate(t, &mut phi);
+                    nodes.iter().zip(&phi).for_each(|(x, phi)| {
+                        let of_node = minus(*x, about);
+                        (0..2).for_each(|i| arm[i] -= phi * of_node[i]);
+                    });
+                }
+                sum += ds * cross(arm, self.reacting(side, field.traction(e, t), self.mesh.normal(e, t), balanced));
+            });
+        }
+        sum
+    }
+
+    /// The part of a traction that a support or an obstacle bears.
+    fn reacting(&self, side: usize, t: [f64; 2], n: [f64; 2], balanced: bool) -> [f64; 2] {
+        let own = &self.scene.problem.sides[side];
+        match self.scene.problem.contact(side) {
+            _ if !balanced => t,
+            Some(contact) if matches!(contact.friction, Friction::None) => n.map(|c| c * dot(t, n)),
+            Some(_) => t,
+            None => [0, 1].map(|i| if own.holds(i) { t[i] } else { 0.0 }),
+        }
+    }
+
+    fn opening(&self, field: &ElasticField<'_>, x: [f64; 2]) -> f64 {
+        let displacement = |(edge, s): (usize, f64)| field.on_edge(edge, s).0;
+        match self.scene.problem.surfaces_at(x) {
+            None => f64::NAN,
+            Some(Surfaces::Faces([a, b])) => {
+                let n = self.scene.problem.outline.edges()[a.0].normal(a.1);
+                dot(minus(displacement(b), displacement(a)), n)
+            }
+            Some(Surfaces::Contact(edge, s)) => {
+                let side = self.scene.problem.outline.edges()[edge].side;
+                let Some(contact) = self.scene.problem.contact(side) else { return f64::NAN };
+                let gap = self.gap(side, &contact.gap);
+                let own = displacement((edge, s));
+                self.on_edge(edge, s, |e, t| {
+                    let site = Site { element: e, t, s, point: self.mesh.point(e, t) };
+                    let there = self.seen(e, t).map_or([0.0; 2], |seen| displacement((seen.edge, seen.s)));
+                    (gap.value)(&site) + dot(minus(there, own), self.direction(e, t))
+                })
+            }
+        }
+    }
+
+    /// Whether the points of quantities are within one element of an end of contact or stick, in the order of [`Self::named`].
+    pub(crate) fn near_transitions(&self, ends: &[Located]) -> Vec<bool> {
+        let is_near = |x: [f64; 2]| {
+            let Ok((edge, s)) = self.scene.problem.pressed_at(x) else { return false };
+            let longest = elements_at(self.mesh, edge, s).iter().fold(0.0, |longest: f64, &(e, _)| {
+                let [a, b] = self.mesh.span[e];
+                longest.max((b - a).abs())
+            });
+            ends.iter().any(|end| end.edge == edge && (end.s - s).abs() <= longest + end.off.abs() + SAME_PLACE)
+        };
+        let of = |kind: &QuantityKind| match *kind {
+            QuantityKind::PressureAt(x) => vec![is_near(x)],
+            _ => vec![false; components(kind)],
+        };
+        self.scene.quantities.iter().flat_map(|quantity| of(&quantity.kind)).collect()
+    }
+}
+
+/// The elements of an edge at one of its parameters, two at a vertex between them, and the reference coordinates there.
+fn elements_at(mesh: &Mesh, edge: usize, s: f64) -> Vec<(usize, f64)> {
+    let of = |e: usize| {
+        let [a, b] = mesh.span[e];
+        let within = mesh.edge[e] == edge && a.min(b) - SAME_PLACE <= s && s <= a.max(b) + SAME_PLACE;
+        within.then(|| (e, (2.0 * (s - a) / (b - a) - 1.0).clamp(-1.0, 1.0)))
+    };
+    (0..mesh.len()).filter_map(of).collect()
+}
