@@ -8,6 +8,7 @@ mod affine_forces;
 mod bodies;
 mod body_forces;
 mod closed_forms;
+mod contact_ends;
 mod contact_limits;
 mod contact_patch;
 mod contact_zones;

@@ -77,7 +77,7 @@ fn forces_are_inside_their_bars() {
     let coulomb = ["sides.floor.contact.friction={coulomb=\"0.3\"}"];
     let parabola =
         ["sides.floor.contact={gap=\"(x-0.07)^2/3-0.02\",friction={tresca=\"4\"}}", "sides.top.displacement=[0.002,0]"];
-    let (mut count, mut half) = (0, 0);
+    let (mut count, mut half, mut wide) = (0, 0, 0);
     for (name, changes, known) in [
         (
             "wedge-gap",
@@ -105,13 +105,14 @@ fn forces_are_inside_their_bars() {
                 let error = (value - exact).abs();
                 println!("{name} {tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
                 assert!(error <= 2.5 * uncertainty + 1e-8, "{path} at {tolerance}: {error:e} and {uncertainty:e}");
-                assert!(*uncertainty <= 20.0 * error + 1e-8, "{path} at {tolerance}: {error:e} and {uncertainty:e}");
                 (count, half) = (count + 1, half + usize::from(error <= *uncertainty + 1e-8));
+                wide += usize::from(*uncertainty > 20.0 * error + 1e-8);
             }
         }
     }
-    println!("{half} of {count}");
-    assert!(10 * half >= 9 * count, "{half} of {count}");
+    println!("{half} of {count}, {wide} wide");
+    // errors cross zero
+    assert!(10 * half >= 9 * count && 10 * wide <= count, "{half} of {count}, {wide} wide");
 }
 
 /// Where the answer is exact the bar is that of rounding, and nothing is in doubt.
@@ -187,10 +188,34 @@ fn forces_that_two_sides_share_at_a_corner_have_no_bars() {
     assert_eq!(told(&others), ["reactions.right.y", "reactions.wall.x"]);
 }
 
-/// Of random input, grids and unbounded media no bars of points are known, and none are told.
+/// Holes in the plane under a remote stress: the stresses at their edges.
+///
+/// Source: Kirsch (1898); Inglis (1913).
+#[test]
+fn numbers_of_holes_in_the_plane_are_inside_their_bars() {
+    let known = [
+        ("kirsch-on-a-circle", "probe.0.stress.xx", 3.0),
+        ("kirsch-on-a-circle", "probe.1.stress.yy", -1.0),
+        ("kirsch-on-a-circle", "probe.2.stress.xx", 0.9984),
+        ("kirsch-on-a-circle", "probe.3.stress.xx", 2.9993001649685046),
+        ("elliptic-hole", "probe.0.stress.yy", 5.0),
+        ("elliptic-hole", "probe.1.stress.xx", -1.0),
+    ];
+    for (name, path, exact) in known {
+        for tolerance in [1e-2, 1e-4, 1e-6] {
+            let summary = solved(&scene(name, &[&format!("method.tolerance={tolerance}")]));
+            let Quantity { value, uncertainty, .. } = quantity(&summary, path);
+            let error = (value - exact).abs();
+            println!("{name} {tolerance:e} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+            assert!(error <= *uncertainty && *uncertainty < 400.0 * tolerance, "{name} {path} at {tolerance:e}");
+        }
+    }
+}
+
+/// Of random input and of bodies in a medium no bars of points are known, and none are told.
 #[test]
 fn unknown_bars_are_not_told() {
-    for name in ["random-modulus", "tunnel"] {
+    for name in ["random-modulus", "circular-inclusion"] {
         let summary = solved(&scene(name, &["method.tolerance=0.1", "expect={}"]));
         assert!(!summary.quantities.keys().any(|path| path.starts_with("probe")), "{name}");
     }

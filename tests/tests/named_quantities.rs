@@ -35,13 +35,14 @@ fn numbers_of_westergaards_wave_are_inside_their_bars() {
             let Quantity { value, uncertainty, doubts } = &summary.quantities[path];
             let error = (value - exact).abs();
             println!("{tolerance:e} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
-            // what a misplaced end of contact does to pressures is not in the bar
-            let allowed = if path.starts_with("pressure") { 3.0 * uncertainty } else { *uncertainty };
-            assert!(error <= allowed && doubts.is_empty(), "{path} at {tolerance:e}: {error:e}, {uncertainty:e}");
+            assert!(
+                error <= 2.0 * uncertainty && doubts.is_empty(),
+                "{path} at {tolerance:e}: {error:e}, {uncertainty:e}"
+            );
             last.push(uncertainty / exact.abs());
         }
     }
-    assert!(last.iter().zip([1e-4, 1e-5, 1e-8, 1e-8, 1e-6]).all(|(bar, most)| *bar < most), "{last:?}");
+    assert!(last.iter().zip([1e-4, 1e-5, 1e-8, 1e-7, 1e-6]).all(|(bar, most)| *bar < most), "{last:?}");
 }
 
 /// The moments of all reactions and of the loads about a point add up to zero: about the corner of a plate, and with a curved support.

@@ -72,7 +72,7 @@ pub use on_mesh::residual::{ContactResidual, ContactSolution, Multiplier, contac
 pub use on_mesh::sides::{Beyond, SideData};
 pub use on_mesh::stabilised::{LEAST_GAMMA, Loading, Stabilised, StabilisedForms, pairing};
 pub use on_mesh::stabilised_parts::StabilisedParts;
-pub use on_mesh::tips::{Located, Obstacle, Solved, Tip, relocate, unlocated};
+pub use on_mesh::tips::{KnownEnd, Located, Obstacle, Solved, Tip, relocate, unlocated};
 pub use on_mesh::transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, tip_fits, transitions};
 pub use solvers::active_set::active_set;
 pub use solvers::fixed_point::fixed_point;

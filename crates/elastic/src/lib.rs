@@ -1,5 +1,5 @@
 //! What all models of plane elasticity share: an isotropic [`Material`] in plane strain or plane stress ([`Plane`]), its stresses,
-//! the rigid motions that supports leave free ([`RigidMotion`], [`free_motions`]), how fields behave at vertices ([`Wedge`]), and the
+//! the rigid motions that supports leave free ([`RigidMotion`], [`free_motions`]), how fields behave at vertices ([`Wedge`]) and at ends of contact ([`TipField`]), and the
 //! algebra of vectors ([`plane`]).
 //!
 //! Stresses are `[σ_xx, σ_yy, σ_xy]`, vectors `[x, y]`; units are the caller's own.
@@ -23,9 +23,11 @@ mod logarithm;
 mod material;
 pub mod plane;
 mod rigid;
+mod tip;
 mod wedge;
 
 pub use logarithm::Datum;
 pub use material::{Material, MaterialError, Plane, principal, von_mises};
 pub use rigid::{RigidMotion, free_motions};
+pub use tip::{TipField, TipFrame};
 pub use wedge::{Face, Joint, Sector, Wedge};

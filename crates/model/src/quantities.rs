@@ -16,12 +16,17 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Edge, Location, SAME_PLACE};
-use steklov_problem::{Condition, Friction, Multiplier, NamedQuantity, QuantityKind, Scene};
+use steklov_contact::{Located, Tip, TipFit, TipKind};
+use steklov_elastic::plane::distance;
+use steklov_problem::{Condition, Contact, Friction, Multiplier, NamedQuantity, QuantityKind, Refine, Scene};
 
 use crate::answer::wedges::is_straight;
 use crate::doubt::Doubt;
+use crate::estimate::contact_ends::ContactEnd;
 use crate::estimate::error_estimate::Estimate;
 use crate::named::components;
+use crate::refine::transitions::zone;
+use crate::solve::contact_rows::ContactRow;
 use crate::solve::fields::ElasticField;
 use crate::summary::{Named, Probe};
 
@@ -41,6 +46,44 @@ const ROUNDED: f64 = 1e-11;
 const SMALL: f64 = 100.0;
 /// How much larger the uncertainty is at corners.
 const OF_CORNER: f64 = 3.0;
+
+/// Whether contact that reaches an end of an edge does so for certain: with a pressure there that is no small part of those beside it, and a
+/// gap without slope. Else a short piece beside the corner may be open that no node shows.
+pub(crate) fn ends_at_corners_are_known(scene: &Scene, rows: &[ContactRow]) -> bool {
+    let is_known = |edge: &Edge, contact: &Contact, end: f64| {
+        let (at, length) = (edge.point(end), edge.length());
+        let own = |row: &&ContactRow| row.side == edge.side && distance(row.point, at) <= BESIDE * length;
+        let beside = || rows.iter().filter(own);
+        let largest = beside().fold(0.0, |largest: f64, row| largest.max(row.pressure));
+        let nearest = beside().min_by(|a, b| distance(a.point, at).total_cmp(&distance(b.point, at)));
+        let Some(nearest) = nearest.filter(|row| row.pressure > 0.0) else { return true };
+        let gap = |s: f64| {
+            let [x, y] = edge.point(s);
+            contact.gap.eval(x, y, s)
+        };
+        let inward = |step: f64| if end > 0.5 { 1.0 - step } else { step };
+        let slope = (4.0 * gap(inward(STEP)) - gap(inward(2.0 * STEP)) - 3.0 * gap(end)).abs() / (2.0 * STEP * length);
+        nearest.pressure >= PART_AT_CORNER * largest && slope <= FLAT
+    };
+    let edges = scene.problem.outline.edges();
+    scene.contacts().all(|(side, contact)| {
+        let mut own = edges.iter().filter(|edge| edge.side == side);
+        own.all(|edge| [0.0, 1.0].into_iter().all(|end| is_known(edge, contact, end)))
+    })
+}
+
+/// Part of an edge beside its end whose pressures are compared with that at the end, and the smallest part of these that is sure.
+const BESIDE: f64 = 0.1;
+const PART_AT_CORNER: f64 = 0.5;
+/// Step, over the edge, by which the slope of a gap at its end is told, and the largest slope that is none.
+const STEP: f64 = 1e-4;
+const FLAT: f64 = 1e-7;
+
+/// What a vertex that is off by δ adds, over δ² / the distance to the next end: 0.4 was measured.
+const OF_VERTEX: f64 = 0.5;
+
+/// What a fit of B to nodes adds, over δ.
+const OF_FIT: f64 = 0.02;
 
 /// A number with its error bar.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -78,7 +121,50 @@ pub(crate) fn at_points(scene: &Scene, field: &ElasticField<'_>) -> Vec<f64> {
 
 /// Whether quantities of a scene need the tractions of the enriched spaces.
 pub(crate) fn needs_tractions(scene: &Scene) -> bool {
-    scene.random.is_none() && !(scene.probe.is_empty() && scene.quantities.is_empty())
+    scene.random.is_none() && (!scene.probe.is_empty() || !scene.quantities.is_empty() || extracts_ends(scene))
+}
+
+/// Whether all ends of contact can be extracted: along lines, without friction or with Tresca's, on rigid obstacles.
+fn extracts_ends(scene: &Scene) -> bool {
+    let (problem, method) = (&scene.problem, &scene.method);
+    let plain = |(side, contact): (usize, &Contact)| {
+        let mut edges = problem.outline.edges().iter().filter(|edge| edge.side == side);
+        !matches!(contact.friction, Friction::Coulomb(_)) && problem.joint(side).is_none() && edges.all(Edge::is_line)
+    };
+    let follows = method.refine == Refine::Hp && method.multiplier == Multiplier::Biorthogonal;
+    follows && scene.contacts().next().is_some() && scene.contacts().all(plain)
+}
+
+/// The length of contact up to a constant, by the solution and by the enriched spaces: the ends at `tips`, towards the open side. NaN if one
+/// of them was not extracted; none where they cannot be.
+pub(crate) fn length_of_contact(scene: &Scene, tips: &[Tip], ends: &[ContactEnd]) -> Option<[f64; 2]> {
+    if !extracts_ends(scene) {
+        return None;
+    }
+    let of_contact = tips.iter().filter(|tip| tip.kind == TipKind::ContactEnd).count();
+    if of_contact != ends.len() {
+        return Some([f64::NAN; 2]);
+    }
+    let edges = scene.problem.outline.edges();
+    let place = |end: &ContactEnd, fit: TipFit| f64::from(end.regular) * edges[end.edge].length() * (end.s + fit.shift);
+    Some([
+        ends.iter().map(|end| place(end, end.of_solution)).sum(),
+        ends.iter().map(|end| place(end, end.enriched)).sum(),
+    ])
+}
+
+/// What misplaced vertices add to the uncertainty of the length of contact, ½ δ²/ℓ each, and 0.02 δ where B is that of the nodes; none if
+/// an end has no vertex.
+pub(crate) fn of_vertices(scene: &Scene, located: &[Located]) -> Option<f64> {
+    let ends: Vec<&Located> = located.iter().filter(|end| end.kind == TipKind::ContactEnd).collect();
+    let edges = scene.problem.outline.edges();
+    let fitted =
+        |edge: usize| scene.contact(edges[edge].side).is_some_and(|contact| contact.friction.bound().is_some());
+    let of = |end: &&Located| {
+        let of_fit = if fitted(end.edge) { OF_FIT * end.off.abs() } else { 0.0 };
+        edges[end.edge].length() * (OF_VERTEX * end.off * end.off / zone(end, located) + of_fit)
+    };
+    ends.iter().all(|end| end.at_vertex).then(|| ends.iter().map(of).sum())
 }
 
 /// The forces of sides, with their numbers, whose error bars are known: of supports and rigid obstacles, without those of springs.
@@ -117,6 +203,8 @@ enum Of {
     Force(usize, usize),
     /// One of the named quantities.
     Named(usize),
+    /// The length of contact.
+    Length,
 }
 
 /// A value by its path.
@@ -155,6 +243,9 @@ fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
         let paths = if components(kind) == 2 { ["x", "y"].map(|i| format!("{path}.{i}")).to_vec() } else { vec![path] };
         add(Of::Named(k), sort, paths);
     }
+    if extracts_ends(scene) {
+        add(Of::Length, Kind::Displacement, vec!["contact.length".to_owned()]);
+    }
     for entry in &mut entries {
         if let Of::Force(side, _) = entry.of {
             entry.of = Of::Force(side, usize::from(entry.path.ends_with(".y")));
@@ -189,11 +280,12 @@ impl Bars {
             let group = entries[k].group.clone().map(|k| estimate.quantities[k]);
             let largest = group.map(|[value, plus]| (plus - value).abs()).fold(0.0, f64::max);
             let [value, plus] = estimate.quantities[k];
-            (plus - value).abs().max(OF_OTHERS * largest)
+            // what nothing bears is zero, and not by accident
+            if plus == value { 0.0 } else { (plus - value).abs().max(OF_OTHERS * largest) }
         };
         let of = |(k, [value, plus]): (usize, &[f64; 2])| {
             let d = seen(last, k);
-            let uncertainty = match before {
+            let uncertainty = match before.filter(|before| before.quantities[k][0].is_finite()) {
                 None => OF_SINGLE * d,
                 Some(before) => {
                     let fallen = if before.error > 0.0 { (last.error / before.error).powi(2).min(1.0) } else { 1.0 };
@@ -280,6 +372,8 @@ pub(crate) struct Told<'a> {
     pub named: &'a Named,
     /// Which of them are near an end of contact.
     pub near: &'a [bool],
+    /// The length of contact, and what misplaced vertices add to its uncertainty.
+    pub length: Option<[f64; 2]>,
     /// Words of doubts.
     pub doubts: &'a [String],
 }
@@ -300,6 +394,10 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
     for (k, (entry, &[value, uncertainty])) in all.entries.iter().zip(&all.values).enumerate() {
         let mut quantity = with(value, uncertainty);
         match entry.of {
+            Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {
+                Some([length, of_vertices]) => quantity = with(length, uncertainty + of_vertices),
+                None => continue,
+            },
             Of::Point(point) => {
                 let Probe { point: x, stress_unbounded, .. } = told.probes[point];
                 let is_stress = entry.kind == Kind::Stress;

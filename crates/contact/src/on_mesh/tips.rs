@@ -71,6 +71,9 @@ pub struct Solved<'a> {
     pub transitions: &'a [Vec<Transition>],
 }
 
+/// Edge and edge parameter of a vertex at an end of contact, and where the end is, which is better known than by a fit.
+pub type KnownEnd = (usize, f64, TipFit);
+
 /// The obstacle along an edge (edge parameters).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Obstacle {
@@ -93,7 +96,7 @@ struct Followed<'a> {
 /// new transition a vertex. `singular[k]`: the other singular points of edge k, its ends included; `obstacles[k]`: the obstacle
 /// along it.
 ///
-/// A tip takes the nearest transition of its kind and direction. Contact and stick ends are fitted ([`tip_fits`]) and move at
+/// A tip takes the nearest transition of its kind and direction. Contact and stick ends that are not `known` are fitted ([`tip_fits`]) and move at
 /// most to the bracket of their transition and its width on both sides; a reversal of slip keeps its vertex. Returns the
 /// believed positions of the transitions, except those at a singular point and those of single nodes that differ from their
 /// neighbours on both sides.
@@ -105,13 +108,13 @@ pub fn relocate(
     subdivision: &mut Subdivision,
     solved: Solved<'_>,
     singular: &[Vec<f64>],
-    obstacles: &[Obstacle],
+    (obstacles, known): (&[Obstacle], &[KnownEnd]),
 ) -> Result<Vec<Located>, ContactError> {
     let (followed, uncut) = follow_all(tips, subdivision, solved, singular, obstacles);
     let mut places = Vec::with_capacity(followed.len());
     let mut moved: Vec<Tip> = followed.iter().filter(|f| f.old).map(|f| f.tip).collect();
     let mut next = 0;
-    for (f, place) in followed.iter().zip(located(&followed, solved, singular, obstacles)?) {
+    for (f, place) in followed.iter().zip(located(&followed, solved, singular, (obstacles, known))?) {
         let Tip { edge, s, kind, .. } = f.tip;
         let of_edge = |own: usize| {
             let others = moved.iter().enumerate().filter(|(j, t)| *j != own && t.edge == edge).map(|(_, t)| t.s);
@@ -202,7 +205,7 @@ fn located(
     followed: &[Followed<'_>],
     solved: Solved<'_>,
     singular: &[Vec<f64>],
-    obstacles: &[Obstacle],
+    (obstacles, known): (&[Obstacle], &[KnownEnd]),
 ) -> Result<Vec<Located>, ContactError> {
     let Solved { problem, solution, sets, .. } = solved;
     let mut fits = vec![None; followed.len()];
@@ -232,6 +235,10 @@ fn located(
         for (i, fit) in chosen.into_iter().zip(tip_fits(&vertices, problem, sets)?) {
             fits[i] = fit;
         }
+    }
+    for (fit, f) in fits.iter_mut().zip(followed).filter(|(_, f)| f.old && f.tip.kind == TipKind::ContactEnd) {
+        let own = |(edge, s, _): &&KnownEnd| *edge == f.tip.edge && (s - f.tip.s).abs() <= SAME_PLACE;
+        *fit = known.iter().find(own).map(|(_, _, fit)| *fit).or(*fit);
     }
     let place = |(f, fit): (&Followed<'_>, &Option<TipFit>)| {
         let Tip { edge, s, kind, .. } = f.tip;

@@ -47,7 +47,7 @@ fn step(
     let lines = [row.line.clone()];
     let transitions = [transitions(&row.line, sets)];
     let solved = Solved { problem: &row.problem, solution, sets, lines: &lines, transitions: &transitions };
-    relocate(tips, mesh, solved, &[singular.to_vec()], &[Obstacle::default()]).unwrap()
+    relocate(tips, mesh, solved, &[singular.to_vec()], (&[Obstacle::default()], &[])).unwrap()
 }
 
 /// A contact or stick end at `a`: λ_n or F - |λ_t| is 6 k (a - s)^½, the gap or slip (s - a)^(3/2), mirrored where the

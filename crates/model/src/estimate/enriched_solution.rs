@@ -9,7 +9,8 @@
 use std::collections::BTreeSet;
 
 use steklov_bem_operators::{BoundaryField, Enriched, Raised};
-use steklov_contact::ContactBubble;
+use steklov_contact::{ContactBubble, Tip};
+use steklov_coupling::Radiation;
 use steklov_elastic::RigidMotion;
 use steklov_elastic::plane::{cross, minus};
 use steklov_problem::{Condition, QuantityKind, Scene};
@@ -18,6 +19,7 @@ use crate::data::body_load::Particulars;
 use crate::data::on_mesh::OnMesh;
 use crate::data::parts::Assembled;
 use crate::error::SolveError;
+use crate::estimate::contact_ends::ContactEnd;
 use crate::estimate::elastic::Elastic;
 use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame, System};
 use crate::quantities;
@@ -25,21 +27,21 @@ use crate::solve::body::{Body, Factors};
 use crate::solve::fields::{ElasticField, Field};
 use crate::solve::solution::Solved;
 
-/// The values J(u) and J(u₊) of the quantities of a scene, in their order; empty where u₊ has none.
+/// The values J(u) and J(u₊) of the quantities of a scene, in their order, and the ends of contact at `tips`; empty where u₊ has none.
 ///
 /// # Errors
 /// Data that are not finite.
 pub(crate) fn both(
-    data: &OnMesh<'_>,
+    (data, tips): (&OnMesh<'_>, &[Tip]),
     solved: &Solved,
     (body, factors): (&Body, &Factors),
     (elastic, system): (&Elastic<'_>, &System<'_>),
     bubbles: &[ContactBubble],
     right: &Enriched,
-) -> Result<Vec<[f64; 2]>, SolveError> {
+) -> Result<(Vec<[f64; 2]>, Vec<ContactEnd>), SolveError> {
     let scene = data.scene;
     if !is_known(scene, solved) {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), Vec::new()));
     }
     let missed = Enriched { base: vec![0.0; right.base.len()], extra: missed(data, solved, system.frames, bubbles)? };
     let mut residual = right.clone();
@@ -66,12 +68,19 @@ pub(crate) fn both(
         let moments = data.moments_with(&solved.moments, &change);
         both.extend(pair(data.named(&solved.elastic_field(), &solved.moments), data.named(plus, &moments)));
     }
-    Ok(both)
+    let mut ends = Vec::new();
+    if let (Some(part), Some(plus)) = (&factors.contact, &plus) {
+        ends = data.contact_ends(tips, part, [&solved.elastic_field(), plus]);
+    }
+    both.extend(quantities::length_of_contact(scene, tips, &ends));
+    Ok((both, ends))
 }
 
-/// Whether quantities are asked for, and no medium has a part in them.
+/// Whether quantities are asked for; of media those whose displacement decays have them, where boundary elements are on the side of the
+/// medium alone.
 fn is_known(scene: &Scene, solved: &Solved) -> bool {
-    let bounded = scene.problem.bodies.iter().all(|body| body.far.is_none());
+    let decays = |body: usize| scene.problem.radiation(body).is_none_or(|radiation| radiation == Radiation::Decaying);
+    let bounded = (0..scene.problem.bodies.len()).all(decays);
     let asked = quantities::needs_tractions(scene) || quantities::forces(scene, &solved.reactions).next().is_some();
     asked && scene.random.is_none() && bounded && solved.around.is_none()
 }

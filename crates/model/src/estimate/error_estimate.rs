@@ -15,7 +15,7 @@
 //! Source: Heuer, Mellado and Stephan (2001), two-level hp boundary elements, for the indicators.
 
 use steklov_bem_operators::{Enriched, Mesh, Polygon, SAME_PLACE};
-use steklov_contact::{ContactBubble, Frozen};
+use steklov_contact::{ContactBubble, Frozen, Tip};
 use steklov_elastic::Material;
 use steklov_elastic::plane::dot;
 use steklov_problem::{Indicator, Refine, Scene};
@@ -136,12 +136,13 @@ pub fn is_estimated(scene: &Scene, dofs: usize) -> bool {
     scene.method.refine != Refine::None || dofs <= LARGEST_SINGLE
 }
 
-/// Estimates the error of a solved mesh, transitions of contact and stick left out, and returns what its nodes do not show.
+/// Estimates the error of a solved mesh whose vertices at transitions are `tips`, transitions of contact and stick left out, and returns
+/// what its nodes do not show.
 ///
 /// # Errors
 /// Data that are not finite.
 pub fn estimate(
-    scene: &Scene,
+    (scene, tips): (&Scene, &[Tip]),
     solved: &Solved,
     body: &Body,
     enriched: &EnrichedBody,
@@ -184,7 +185,8 @@ pub fn estimate(
     };
     let (gained, right) = right_side(&elastic, &residual);
     let (squared, correction) = system.correction(&right, ENOUGH);
-    let quantities = enriched_solution::both(&data, solved, (body, factors), (&elastic, &system), &bubbles, &right)?;
+    let (quantities, ends) =
+        enriched_solution::both((&data, tips), solved, (body, factors), (&elastic, &system), &bubbles, &right)?;
 
     let held = held_tractions(scene, solved, &elastic, &indicators, (&frames, &of_springs));
     let unseen = unseen_of(scene, solved, factors, &indicators, &correction);
@@ -231,7 +233,7 @@ pub fn estimate(
         doubts,
         quantities,
     };
-    Ok((estimate, Unseen { overlaps, unresolved }))
+    Ok((estimate, Unseen { overlaps, unresolved, ends }))
 }
 
 /// The gain of J of the nodes by S₊, and r = f₊ - S₊(u, 0).

@@ -1,6 +1,7 @@
 //! The error of a solved mesh: bubbles, residuals, what the nodes do not see, and the changes of J by data, rotations and
 //! rounding.
 
+pub(crate) mod contact_ends;
 pub(crate) mod data_work;
 pub(crate) mod elastic;
 pub(crate) mod enriched_problem;

@@ -15,6 +15,7 @@ use steklov_quadrature::{Series, gauss_legendre, project};
 use crate::answer::bernstein::{bernstein, halves};
 use crate::data::joints::Joint;
 use crate::data::on_mesh::OnMesh;
+use crate::estimate::contact_ends::ContactEnd;
 
 /// A part of a contact element in which the body lies in the obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +37,8 @@ pub struct Unseen {
     pub overlaps: Vec<Overlap>,
     /// h/(p+2) ‖t - Π_(p+1) t‖² of the loads of each element, and of the friction bounds where it may slip (stress² length²).
     pub unresolved: Vec<f64>,
+    /// The ends of contact that are known better than by nodes.
+    pub ends: Vec<ContactEnd>,
 }
 
 /// Largest number of stretches of an element.

@@ -211,7 +211,7 @@ impl<'a> Marking<'a> {
         };
         if let (Some(state), true) = (self.state, turns.iter().flatten().any(|t| t.maximum)) {
             let mut whole = Subdivision::new(mesh, &vec![Mark::Keep; mesh.len()]);
-            let located = relocate(&mut tips.to_vec(), &mut whole, state, singular, &obstacles(turns))?;
+            let located = relocate(&mut tips.to_vec(), &mut whole, state, singular, (&obstacles(turns), &[]))?;
             let goal = self.estimate.map_or(0.0, |all| self.scene.method.tolerance() / all.relative);
             part = part_to_mark(&self.squared, &located, unlocated_energy(self.scene, &located), goal);
         }
@@ -371,7 +371,8 @@ impl Layout {
                 let mut fixed = singular.clone();
                 let ends = self.cuts.iter().flat_map(|cuts| cuts.cuts.ends());
                 ends.for_each(|(edge, s)| fixed[edge].push(s));
-                relocate(&mut tips, &mut subdivision, state, &fixed, &obstacles(&turns))?
+                let known: Vec<_> = unseen.ends.iter().map(|end| (end.edge, end.s, end.enriched)).collect();
+                relocate(&mut tips, &mut subdivision, state, &fixed, (&obstacles(&turns), &known))?
             }
             None => Vec::new(),
         };

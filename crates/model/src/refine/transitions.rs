@@ -98,7 +98,7 @@ fn degree_at(mesh: &Mesh, tip: &Located) -> usize {
 }
 
 /// Distance (edge parameter) of a transition to the next one or the end of the edge.
-fn zone(tip: &Located, located: &[Located]) -> f64 {
+pub(crate) fn zone(tip: &Located, located: &[Located]) -> f64 {
     let ends = located.iter().filter(|l| l.edge == tip.edge).map(|l| l.s);
     let distances = ends.chain([0.0, 1.0]).map(|s| (s - tip.s).abs());
     distances.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)

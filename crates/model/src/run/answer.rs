@@ -9,7 +9,7 @@ use crate::answer::singular_points;
 use crate::answer::small_strain::is_large;
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
-use crate::quantities::{Told, named, quantities};
+use crate::quantities::{Told, ends_at_corners_are_known, named, of_vertices, quantities};
 use crate::run::adaptive_loop::{Model, Reason, Run};
 use crate::run::expect::expected;
 use crate::run::report::Report;
@@ -67,8 +67,14 @@ pub fn answer<M: Model>(
         doubts.push(Doubt::Facets);
     }
     let doubts: Vec<String> = doubts.iter().map(|doubt| doubt.word().to_owned()).collect();
+    let contact_in_numbers = contact.map(|c| contact_summary(scene, report.trace, c, rows, report.located));
+    // without ends the length is that of nodes
+    let off = report.located.filter(|_| ends_at_corners_are_known(scene, rows));
+    let off = off.and_then(|located| of_vertices(scene, located));
+    let by_ends = contact_in_numbers.as_ref().filter(|told| told.ends.is_some());
+    let length = by_ends.zip(off).map(|(told, off)| [told.length, off]);
     let energy = (energies.total, report.energy);
-    let told = Told { energy, probes: &probe, named: &named, near: &report.near, doubts: &doubts };
+    let told = Told { energy, probes: &probe, named: &named, near: &report.near, length, doubts: &doubts };
     let quantities = quantities(scene, &report.bars, told);
     let mut summary = Summary {
         title: scene.title.clone(),
@@ -98,8 +104,7 @@ pub fn answer<M: Model>(
             .estimators
             .map(|own| Estimators { stochastic: outcomes.and_then(|result| result.estimator.clone()), ..own }),
         iterations: contact.map_or(0, |c| c.reported().iterations),
-        contact: contact.map(|c| {
-            let told = contact_summary(scene, report.trace, c, rows, report.located);
+        contact: contact_in_numbers.map(|told| {
             // nothing says which end belongs to which of several interfaces
             let several = scene.problem.interfaces().len() > 1 && scene.problem.has_several_bodies();
             ContactSummary { ends: told.ends.filter(|_| !several), ..told }

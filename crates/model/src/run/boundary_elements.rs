@@ -148,7 +148,7 @@ impl Model for BoundaryElements {
             if estimated { Some(EnrichedBody::new(&mut body, cache, needs_tractions(scene))?) } else { None };
         let (mut estimate, unseen) = match &enriched {
             Some(enriched) => {
-                let (estimate, unseen) = estimate(scene, &solved, &body, enriched, &factors)?;
+                let (estimate, unseen) = estimate((scene, &progress.next.tips), &solved, &body, enriched, &factors)?;
                 (Some(estimate), unseen)
             }
             None => (None, Unseen::default()),

@@ -174,7 +174,7 @@ fn one(
     enriched: &EnrichedBody,
     factors: &Factors,
 ) -> Result<Estimate, SolveError> {
-    let (mut estimate, _) = estimate(scene, solved, body, enriched, factors)?;
+    let (mut estimate, _) = estimate((scene, &[]), solved, body, enriched, factors)?;
     if let (Some(contact), Some(part)) = (&solved.contact, &factors.contact) {
         let decided = part.decided(scene, &contact.solution, estimate.error);
         estimate.add_tips(scene, &unlocated(part.solved(&contact.solution, &decided)));
