@@ -133,4 +133,9 @@ fn what_is_none_of_the_scene_is_refused() {
         };
         assert!(told.contains(message) && told.contains(help), "{text}: {told}");
     }
+    let cracked = plate
+        .replace("body = {", "body = { cracks = [{ side = \"crack\", points = [[0.5, 0.4], [1, 0.5], [1.5, 0.4]] }],");
+    let kink =
+        parse(&format!("{cracked}quantities.o = {{ opening_at = [1, 0.5] }}\n"), &[]).expect_err("a kink").render();
+    assert!(kink.contains("the surface turns") && kink.contains("along the part that is meant"), "{kink}");
 }

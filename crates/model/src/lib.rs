@@ -25,6 +25,7 @@
 //! ```
 
 pub mod answer;
+mod contact_length;
 pub mod data;
 pub mod doubt;
 pub mod energies;

@@ -165,7 +165,7 @@ impl OnMesh<'_> {
 }
 
 /// The elements of an edge at one of its parameters, two at a vertex between them, and the reference coordinates there.
-fn elements_at(mesh: &Mesh, edge: usize, s: f64) -> Vec<(usize, f64)> {
+pub(crate) fn elements_at(mesh: &Mesh, edge: usize, s: f64) -> Vec<(usize, f64)> {
     let of = |e: usize| {
         let [a, b] = mesh.span[e];
         let within = mesh.edge[e] == edge && a.min(b) - SAME_PLACE <= s && s <= a.max(b) + SAME_PLACE;

@@ -16,17 +16,15 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Edge, Location, SAME_PLACE};
-use steklov_contact::{Located, Tip, TipFit, TipKind};
 use steklov_elastic::plane::distance;
-use steklov_problem::{Condition, Contact, Friction, Multiplier, NamedQuantity, QuantityKind, Refine, Scene};
+use steklov_problem::{Condition, Friction, Multiplier, NamedQuantity, QuantityKind, Scene};
 
 use crate::answer::wedges::is_straight;
+use crate::contact_length::extracts_ends;
 use crate::doubt::Doubt;
-use crate::estimate::contact_ends::ContactEnd;
 use crate::estimate::error_estimate::Estimate;
 use crate::named::components;
-use crate::refine::transitions::zone;
-use crate::solve::contact_rows::ContactRow;
+use crate::solve::contact_rows::{ContactRow, TOUCHING};
 use crate::solve::fields::ElasticField;
 use crate::summary::{Named, Probe};
 
@@ -46,44 +44,6 @@ const ROUNDED: f64 = 1e-11;
 const SMALL: f64 = 100.0;
 /// How much larger the uncertainty is at corners.
 const OF_CORNER: f64 = 3.0;
-
-/// Whether contact that reaches an end of an edge does so for certain: with a pressure there that is no small part of those beside it, and a
-/// gap without slope. Else a short piece beside the corner may be open that no node shows.
-pub(crate) fn ends_at_corners_are_known(scene: &Scene, rows: &[ContactRow]) -> bool {
-    let is_known = |edge: &Edge, contact: &Contact, end: f64| {
-        let (at, length) = (edge.point(end), edge.length());
-        let own = |row: &&ContactRow| row.side == edge.side && distance(row.point, at) <= BESIDE * length;
-        let beside = || rows.iter().filter(own);
-        let largest = beside().fold(0.0, |largest: f64, row| largest.max(row.pressure));
-        let nearest = beside().min_by(|a, b| distance(a.point, at).total_cmp(&distance(b.point, at)));
-        let Some(nearest) = nearest.filter(|row| row.pressure > 0.0) else { return true };
-        let gap = |s: f64| {
-            let [x, y] = edge.point(s);
-            contact.gap.eval(x, y, s)
-        };
-        let inward = |step: f64| if end > 0.5 { 1.0 - step } else { step };
-        let slope = (4.0 * gap(inward(STEP)) - gap(inward(2.0 * STEP)) - 3.0 * gap(end)).abs() / (2.0 * STEP * length);
-        nearest.pressure >= PART_AT_CORNER * largest && slope <= FLAT
-    };
-    let edges = scene.problem.outline.edges();
-    scene.contacts().all(|(side, contact)| {
-        let mut own = edges.iter().filter(|edge| edge.side == side);
-        own.all(|edge| [0.0, 1.0].into_iter().all(|end| is_known(edge, contact, end)))
-    })
-}
-
-/// Part of an edge beside its end whose pressures are compared with that at the end, and the smallest part of these that is sure.
-const BESIDE: f64 = 0.1;
-const PART_AT_CORNER: f64 = 0.5;
-/// Step, over the edge, by which the slope of a gap at its end is told, and the largest slope that is none.
-const STEP: f64 = 1e-4;
-const FLAT: f64 = 1e-7;
-
-/// What a vertex that is off by δ adds, over δ² / the distance to the next end: 0.4 was measured.
-const OF_VERTEX: f64 = 0.5;
-
-/// What a fit of B to nodes adds, over δ.
-const OF_FIT: f64 = 0.02;
 
 /// A number with its error bar.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -124,49 +84,6 @@ pub(crate) fn needs_tractions(scene: &Scene) -> bool {
     scene.random.is_none() && (!scene.probe.is_empty() || !scene.quantities.is_empty() || extracts_ends(scene))
 }
 
-/// Whether all ends of contact can be extracted: along lines, without friction or with Tresca's, on rigid obstacles.
-fn extracts_ends(scene: &Scene) -> bool {
-    let (problem, method) = (&scene.problem, &scene.method);
-    let plain = |(side, contact): (usize, &Contact)| {
-        let mut edges = problem.outline.edges().iter().filter(|edge| edge.side == side);
-        !matches!(contact.friction, Friction::Coulomb(_)) && problem.joint(side).is_none() && edges.all(Edge::is_line)
-    };
-    let follows = method.refine == Refine::Hp && method.multiplier == Multiplier::Biorthogonal;
-    follows && scene.contacts().next().is_some() && scene.contacts().all(plain)
-}
-
-/// The length of contact up to a constant, by the solution and by the enriched spaces: the ends at `tips`, towards the open side. NaN if one
-/// of them was not extracted; none where they cannot be.
-pub(crate) fn length_of_contact(scene: &Scene, tips: &[Tip], ends: &[ContactEnd]) -> Option<[f64; 2]> {
-    if !extracts_ends(scene) {
-        return None;
-    }
-    let of_contact = tips.iter().filter(|tip| tip.kind == TipKind::ContactEnd).count();
-    if of_contact != ends.len() {
-        return Some([f64::NAN; 2]);
-    }
-    let edges = scene.problem.outline.edges();
-    let place = |end: &ContactEnd, fit: TipFit| f64::from(end.regular) * edges[end.edge].length() * (end.s + fit.shift);
-    Some([
-        ends.iter().map(|end| place(end, end.of_solution)).sum(),
-        ends.iter().map(|end| place(end, end.enriched)).sum(),
-    ])
-}
-
-/// What misplaced vertices add to the uncertainty of the length of contact, ½ δ²/ℓ each, and 0.02 δ where B is that of the nodes; none if
-/// an end has no vertex.
-pub(crate) fn of_vertices(scene: &Scene, located: &[Located]) -> Option<f64> {
-    let ends: Vec<&Located> = located.iter().filter(|end| end.kind == TipKind::ContactEnd).collect();
-    let edges = scene.problem.outline.edges();
-    let fitted =
-        |edge: usize| scene.contact(edges[edge].side).is_some_and(|contact| contact.friction.bound().is_some());
-    let of = |end: &&Located| {
-        let of_fit = if fitted(end.edge) { OF_FIT * end.off.abs() } else { 0.0 };
-        edges[end.edge].length() * (OF_VERTEX * end.off * end.off / zone(end, located) + of_fit)
-    };
-    ends.iter().all(|end| end.at_vertex).then(|| ends.iter().map(of).sum())
-}
-
 /// The forces of sides, with their numbers, whose error bars are known: of supports and rigid obstacles, without those of springs.
 pub(crate) fn forces<'a>(
     scene: &'a Scene,
@@ -199,8 +116,8 @@ enum Kind {
 enum Of {
     /// A point of `[probe]`.
     Point(usize),
-    /// A component of the force of a side.
-    Force(usize, usize),
+    /// The force of a side.
+    Force(usize),
     /// One of the named quantities.
     Named(usize),
     /// The length of contact.
@@ -231,7 +148,7 @@ fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
     }
     for (_, side) in forces(scene, reactions) {
         let name = &scene.problem.sides[side].name;
-        add(Of::Force(side, 0), Kind::Force, ["x", "y"].map(|i| format!("reactions.{name}.{i}")).to_vec());
+        add(Of::Force(side), Kind::Force, ["x", "y"].map(|i| format!("reactions.{name}.{i}")).to_vec());
     }
     for (k, NamedQuantity { name, kind }) in scene.quantities.iter().enumerate() {
         let path = format!("{}.{name}", kind.group());
@@ -245,11 +162,6 @@ fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
     }
     if extracts_ends(scene) {
         add(Of::Length, Kind::Displacement, vec!["contact.length".to_owned()]);
-    }
-    for entry in &mut entries {
-        if let Of::Force(side, _) = entry.of {
-            entry.of = Of::Force(side, usize::from(entry.path.ends_with(".y")));
-        }
     }
     entries
 }
@@ -374,6 +286,8 @@ pub(crate) struct Told<'a> {
     pub near: &'a [bool],
     /// The length of contact, and what misplaced vertices add to its uncertainty.
     pub length: Option<[f64; 2]>,
+    /// The contact table.
+    pub rows: &'a [ContactRow],
     /// Words of doubts.
     pub doubts: &'a [String],
 }
@@ -410,8 +324,8 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                     doubt(&mut quantity, Doubt::Coarse);
                 }
             }
-            Of::Force(side, i) => {
-                if shared(scene, side)[i] {
+            Of::Force(side) => {
+                if shared(scene, side)[k - entry.group.start] {
                     continue;
                 }
             }
@@ -425,6 +339,12 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                 if told.named.pressure.get(name).is_some_and(|pressure| pressure.is_nan()) {
                     continue;
                 }
+                // between nodes that touch only the interpolation keeps the surfaces apart
+                if let QuantityKind::OpeningAt(x) = *kind
+                    && touches_at(told.rows, x)
+                {
+                    quantity.uncertainty = uncertainty.max(value.abs());
+                }
                 if told.near.get(k - first).copied().unwrap_or(false) {
                     doubt(&mut quantity, Doubt::Transition);
                 }
@@ -433,6 +353,13 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         quantities.insert(entry.path.clone(), quantity);
     }
     quantities
+}
+
+/// Whether the node of contact that is nearest to a point touches.
+fn touches_at(rows: &[ContactRow], x: [f64; 2]) -> bool {
+    let nearest = rows.iter().min_by(|a, b| distance(a.point, x).total_cmp(&distance(b.point, x)));
+    let largest = rows.iter().fold(0.0, |largest: f64, row| largest.max(row.pressure));
+    nearest.is_some_and(|row| row.pressure > TOUCHING * largest)
 }
 
 /// The components in which a side reacts.

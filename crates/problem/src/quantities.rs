@@ -110,6 +110,13 @@ impl Problem {
         (cross(own, others).abs() > ALIGNED || dot(own, others) < 0.0).then_some((other, start))
     }
 
+    /// Whether a side has a corner at a point.
+    fn turns_at(&self, x: [f64; 2]) -> bool {
+        let edges = self.outline.edges();
+        let beyond = |&(edge, s): &(usize, f64)| Some((edge, self.beyond_corner(edge, s)?.0));
+        self.edges_at(x).iter().filter_map(beyond).any(|(edge, other)| edges[edge].side == edges[other].side)
+    }
+
     /// The surfaces whose distance at a point is that of its two sides; none where there is one surface only.
     pub fn surfaces_at(&self, x: [f64; 2]) -> Option<Surfaces> {
         let (mut places, edges) = (self.edges_at(x), self.outline.edges());
@@ -190,6 +197,10 @@ impl Scene {
             QuantityKind::OpeningAt(x) if problem.surfaces_at(x).is_none() => {
                 let message = format!("at the point ({}, {}) no second surface faces the first one", x[0], x[1]);
                 Some((message, "move the point onto a crack, a contact side or an interface with contact".to_owned()))
+            }
+            QuantityKind::OpeningAt(x) if problem.turns_at(x) => {
+                let message = format!("at the point ({}, {}) the surface turns, and opens by two numbers", x[0], x[1]);
+                Some((message, "move the point a little along the part that is meant".to_owned()))
             }
             QuantityKind::Moment { side, .. } if !self.has_reaction(side) => {
                 let name = &problem.sides[side].name;

@@ -17,15 +17,17 @@
 //! Source: Bueckner (1970), weight functions.
 
 use steklov_bem_operators::{Edge, SAME_PLACE, Site};
-use steklov_contact::{Tip, TipFit, TipKind, TipVertex, tip_fits};
-use steklov_elastic::plane::{distance, dot, turned};
+use steklov_contact::{ContactLine, LinePoint, Tip, TipFit, TipKind, TipVertex, tip_fits};
+use steklov_elastic::plane::{distance, dot, minus, turned, unit};
 use steklov_elastic::{TipField, TipFrame};
 use steklov_expression::Expression;
-use steklov_problem::{Condition, Friction};
+use steklov_problem::Condition;
 use steklov_quadrature::gauss_legendre;
 
 use crate::answer::data_jumps::kinks;
+use crate::contact_length::is_extractable;
 use crate::data::on_mesh::{Function, OnMesh};
+use crate::named::elements_at;
 use crate::solve::contact::ContactFactors;
 use crate::solve::fields::ElasticField;
 
@@ -111,18 +113,13 @@ impl<'a> Extraction<'a> {
         let problem = &data.scene.problem;
         let edge = &problem.outline.edges()[tip.edge];
         let contact = problem.contact(edge.side)?;
-        let body = problem.outline.body_of_loop(edge.loop_index);
-        let unloaded = problem.bodies[body].force.is_none() && problem.bodies[body].far.is_none();
-        let plain = !matches!(contact.friction, Friction::Coulomb(_)) && problem.joint(edge.side).is_none();
-        if !(edge.is_line() && plain && unloaded) || problem.tie().is_some() {
+        if !is_extractable(data.scene, edge) {
             return None;
         }
-        let length = distance(edge.point(0.0), edge.point(1.0));
-        let along = edge.point(1.0).iter().zip(edge.point(0.0)).map(|(b, a)| (b - a) / length).collect::<Vec<_>>();
-        let towards = -f64::from(tip.regular);
+        let body = problem.outline.body_of_loop(edge.loop_index);
         let frame = TipFrame {
             origin: edge.point(tip.s),
-            along: [towards * along[0], towards * along[1]],
+            along: unit(minus(edge.point(1.0), edge.point(0.0))).map(|c| -f64::from(tip.regular) * c),
             inward: edge.normal(tip.s).map(|n| -n),
         };
         let body_of = |e: usize| problem.outline.body_of_loop(problem.outline.edges()[data.mesh.edge[e]].loop_index);
@@ -146,24 +143,22 @@ impl<'a> Extraction<'a> {
         Some(all)
     }
 
-    /// The length of the edge.
-    fn length(&self) -> f64 {
-        distance(self.edge.point(0.0), self.edge.point(1.0))
+    /// The points of the line within an element.
+    fn points_of<'l>(&self, line: &'l ContactLine, e: usize) -> impl Iterator<Item = &'l LinePoint> {
+        let [a, b] = self.data.mesh.span[e];
+        line.points.iter().filter(move |p| a.min(b) - SAME_PLACE <= p.s && p.s <= a.max(b) + SAME_PLACE)
     }
 
     /// The elements of the edge that are closed; none if the nodes beside the vertex are not closed up to it.
     fn closed_elements(&self, part: &ContactFactors) -> Option<Vec<usize>> {
         let line = part.lines.iter().find(|line| line.edge == self.tip.edge)?;
-        let state = |e: usize| {
-            let [a, b] = self.data.mesh.span[e];
-            let within = line.points.iter().filter(|p| a.min(b) - SAME_PLACE <= p.s && p.s <= a.max(b) + SAME_PLACE);
-            let states: Vec<(f64, bool)> = within.map(|p| (p.s, part.sets.closed(p.index))).collect();
-            (!states.is_empty()).then_some(states)
-        };
         let own = self.elements.iter().copied().filter(|&e| self.data.mesh.edge[e] == self.tip.edge);
         let mut closed = Vec::new();
         for e in own {
-            let states = state(e)?;
+            let states: Vec<(f64, bool)> = self.points_of(line, e).map(|p| (p.s, part.sets.closed(p.index))).collect();
+            if states.is_empty() {
+                return None;
+            }
             let at_tip = |s: f64| (s - self.tip.s).abs() <= SAME_PLACE;
             // the node at the vertex may be either
             let is_closed = states.iter().all(|&(s, closed)| closed || at_tip(s));
@@ -184,9 +179,7 @@ impl<'a> Extraction<'a> {
     fn slipping_elements(&self, part: &ContactFactors) -> Vec<(usize, f64)> {
         let Some(line) = part.lines.iter().find(|line| line.edge == self.tip.edge) else { return Vec::new() };
         let of = |&e: &usize| {
-            let [a, b] = self.data.mesh.span[e];
-            let within = line.points.iter().filter(|p| a.min(b) - SAME_PLACE <= p.s && p.s <= a.max(b) + SAME_PLACE);
-            let slips: Vec<Option<i8>> = within.map(|p| part.sets.slip(p.index)).collect();
+            let slips: Vec<Option<i8>> = self.points_of(line, e).map(|p| part.sets.slip(p.index)).collect();
             let first = (*slips.first()?).filter(|slip| *slip != 0)?;
             slips.iter().all(|slip| *slip == Some(first)).then(|| (e, -f64::from(first)))
         };
@@ -208,7 +201,7 @@ impl<'a> Extraction<'a> {
     fn goes_on_behind(&self) -> bool {
         let crosses = |&e: &usize| {
             let [[x0, y0], [x1, y1]] = self.data.mesh.ends(e).map(|x| self.frame.coordinates(x));
-            let small = SAME_PLACE * self.length();
+            let small = SAME_PLACE * self.edge.length();
             x0.min(x1) <= small && x0.max(x1) >= -small && y0.min(y1) < -small
         };
         self.elements.iter().any(crosses)
@@ -216,15 +209,8 @@ impl<'a> Extraction<'a> {
 
     /// The gap at the coordinate x.
     fn gap_at(&self, x: f64) -> f64 {
-        let s = self.tip.s - f64::from(self.tip.regular) * x / self.length();
-        let mesh = self.data.mesh;
-        let within = |e: &&usize| {
-            let [a, b] = mesh.span[**e];
-            mesh.edge[**e] == self.tip.edge && a.min(b) <= s && s <= a.max(b)
-        };
-        let Some(&e) = self.elements.iter().find(within) else { return f64::NAN };
-        let [a, b] = mesh.span[e];
-        let t = (2.0 * (s - a) / (b - a) - 1.0).clamp(-1.0, 1.0);
+        let s = self.tip.s - f64::from(self.tip.regular) * x / self.edge.length();
+        let Some(&(e, t)) = elements_at(self.data.mesh, self.tip.edge, s).first() else { return f64::NAN };
         (self.gap.value)(&Site { element: e, t, s, point: self.edge.point(s) })
     }
 
@@ -232,7 +218,7 @@ impl<'a> Extraction<'a> {
     fn distance_to_kink(&self) -> f64 {
         let turns = kinks(self.data.scene, self.edge).into_iter().chain([0.0, 1.0]);
         let apart = turns.map(|s| (s - self.tip.s).abs()).filter(|d| *d > SAME_PLACE);
-        self.length() * apart.fold(f64::INFINITY, f64::min)
+        self.edge.length() * apart.fold(f64::INFINITY, f64::min)
     }
 
     /// g and its derivatives at the tip by differences of five points. What g' and g'' are off by leaves the integrals exact.
@@ -265,7 +251,7 @@ impl<'a> Extraction<'a> {
         }
         let [a, b] = [0, 1].map(|k| self.duals[k].1 * sums[k]);
         // d is an edge parameter there
-        let length = self.length();
+        let length = self.edge.length();
         let b = curvature.map_or(b, |curvature| curvature / length.powf(1.5));
         let shift = -a / (1.5 * b) / length;
         let farthest = if curvature.is_some() { FARTHEST_WITH_FRICTION } else { FARTHEST };

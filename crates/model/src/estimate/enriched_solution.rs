@@ -15,6 +15,7 @@ use steklov_elastic::RigidMotion;
 use steklov_elastic::plane::{cross, minus};
 use steklov_problem::{Condition, QuantityKind, Scene};
 
+use crate::contact_length::length_of_contact;
 use crate::data::body_load::Particulars;
 use crate::data::on_mesh::OnMesh;
 use crate::data::parts::Assembled;
@@ -72,7 +73,7 @@ pub(crate) fn both(
     if let (Some(part), Some(plus)) = (&factors.contact, &plus) {
         ends = data.contact_ends(tips, part, [&solved.elastic_field(), plus]);
     }
-    both.extend(quantities::length_of_contact(scene, tips, &ends));
+    both.extend(length_of_contact(scene, tips, &ends));
     Ok((both, ends))
 }
 

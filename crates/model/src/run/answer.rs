@@ -7,9 +7,10 @@ use crate::answer::probes;
 use crate::answer::report::contact_summary;
 use crate::answer::singular_points;
 use crate::answer::small_strain::is_large;
+use crate::contact_length::{ends_at_corners_are_known, of_vertices};
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
-use crate::quantities::{Told, ends_at_corners_are_known, named, of_vertices, quantities};
+use crate::quantities::{Told, named, quantities};
 use crate::run::adaptive_loop::{Model, Reason, Run};
 use crate::run::expect::expected;
 use crate::run::report::Report;
@@ -74,7 +75,7 @@ pub fn answer<M: Model>(
     let by_ends = contact_in_numbers.as_ref().filter(|told| told.ends.is_some());
     let length = by_ends.zip(off).map(|(told, off)| [told.length, off]);
     let energy = (energies.total, report.energy);
-    let told = Told { energy, probes: &probe, named: &named, near: &report.near, length, doubts: &doubts };
+    let told = Told { energy, probes: &probe, named: &named, near: &report.near, length, rows, doubts: &doubts };
     let quantities = quantities(scene, &report.bars, told);
     let mut summary = Summary {
         title: scene.title.clone(),

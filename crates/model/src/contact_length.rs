@@ -1,0 +1,143 @@
+//! The length of contact by its ends, where these are extracted, and what is not known of it.
+//!
+//! ```text
+//! length = Σ ±(vertex + shift) + the given ends,      uncertainty: that of the sum by both spaces, and Σ (½ δ²/ℓ + 0.02 δ)
+//! ```
+//! δ the shift of a vertex, ℓ the distance to the next end; the last term with friction alone, where B is that of the nodes.
+
+use steklov_bem_operators::Edge;
+use steklov_contact::{Located, Tip, TipFit, TipKind};
+use steklov_elastic::plane::distance;
+use steklov_problem::{Contact, Friction, Multiplier, Refine, Scene};
+
+use crate::estimate::contact_ends::ContactEnd;
+use crate::refine::transitions::zone;
+use crate::solve::contact_rows::ContactRow;
+
+/// What a vertex that is off by δ adds, over δ² / the distance to the next end: 0.4 was measured.
+const OF_VERTEX: f64 = 0.5;
+/// What a fit of B to nodes adds, over δ.
+const OF_FIT: f64 = 0.02;
+/// Part of an edge beside its end whose pressures are compared with that at the end.
+const BESIDE: f64 = 0.1;
+/// Smallest part of these that a pressure at the end is, where contact is sure to reach it.
+const PART_AT_CORNER: f64 = 0.5;
+/// Step, over the edge, by which the slope of a gap at its end is told.
+const STEP: f64 = 1e-4;
+/// Part of the change of a gap over two steps that its slope may make, where it counts as none.
+const FLAT: f64 = 1e-3;
+
+/// Whether ends of contact along an edge can be extracted: a line, without friction or with Tresca's, on a rigid obstacle, of a body without
+/// forces inside.
+pub(crate) fn is_extractable(scene: &Scene, edge: &Edge) -> bool {
+    let problem = &scene.problem;
+    let body = &problem.bodies[problem.outline.body_of_loop(edge.loop_index)];
+    let of_law = |contact: &Contact| !matches!(contact.friction, Friction::Coulomb(_));
+    let unloaded = body.force.is_none() && body.far.is_none() && problem.tie().is_none();
+    edge.is_line() && unloaded && problem.joint(edge.side).is_none() && problem.contact(edge.side).is_some_and(of_law)
+}
+
+/// Whether all ends of contact can be extracted.
+pub(crate) fn extracts_ends(scene: &Scene) -> bool {
+    let method = &scene.method;
+    let follows = method.refine == Refine::Hp && method.multiplier == Multiplier::Biorthogonal;
+    let mut touching =
+        scene.problem.outline.edges().iter().filter(|edge| scene.contact(edge.side).is_some()).peekable();
+    follows && touching.peek().is_some() && touching.all(|edge| is_extractable(scene, edge))
+}
+
+/// The length of contact up to a constant, by the solution and by the enriched spaces: the ends at `tips`, towards the open side. NaN if one
+/// of them was not extracted; none where they cannot be.
+pub(crate) fn length_of_contact(scene: &Scene, tips: &[Tip], ends: &[ContactEnd]) -> Option<[f64; 2]> {
+    if !extracts_ends(scene) {
+        return None;
+    }
+    let of_contact = tips.iter().filter(|tip| tip.kind == TipKind::ContactEnd).count();
+    if of_contact != ends.len() {
+        return Some([f64::NAN; 2]);
+    }
+    let edges = scene.problem.outline.edges();
+    let place = |end: &ContactEnd, fit: TipFit| f64::from(end.regular) * edges[end.edge].length() * (end.s + fit.shift);
+    Some([
+        ends.iter().map(|end| place(end, end.of_solution)).sum(),
+        ends.iter().map(|end| place(end, end.enriched)).sum(),
+    ])
+}
+
+/// What misplaced vertices add to the uncertainty of the length of contact; none if an end has no vertex.
+pub(crate) fn of_vertices(scene: &Scene, located: &[Located]) -> Option<f64> {
+    let ends: Vec<&Located> = located.iter().filter(|end| end.kind == TipKind::ContactEnd).collect();
+    let edges = scene.problem.outline.edges();
+    let fitted =
+        |edge: usize| scene.contact(edges[edge].side).is_some_and(|contact| contact.friction.bound().is_some());
+    let of = |end: &&Located| {
+        let of_fit = if fitted(end.edge) { OF_FIT * end.off.abs() } else { 0.0 };
+        edges[end.edge].length() * (OF_VERTEX * end.off * end.off / zone(end, located) + of_fit)
+    };
+    ends.iter().all(|end| end.at_vertex).then(|| ends.iter().map(of).sum())
+}
+
+/// Whether contact that reaches an end of an edge does so for certain: with a pressure there that is no small part of those beside it, and a
+/// gap without slope. Else a short piece beside the corner may be open that no node shows.
+pub(crate) fn ends_at_corners_are_known(scene: &Scene, rows: &[ContactRow]) -> bool {
+    let is_known = |edge: &Edge, contact: &Contact, end: f64| {
+        let (at, length) = (edge.point(end), edge.length());
+        let own = |row: &&ContactRow| row.side == edge.side && distance(row.point, at) <= BESIDE * length;
+        let beside = || rows.iter().filter(own);
+        let largest = beside().fold(0.0, |largest: f64, row| largest.max(row.pressure));
+        let nearest = beside().min_by(|a, b| distance(a.point, at).total_cmp(&distance(b.point, at)));
+        let Some(nearest) = nearest.filter(|row| row.pressure > 0.0) else { return true };
+        nearest.pressure >= PART_AT_CORNER * largest && is_flat(edge, contact, end)
+    };
+    let edges = scene.problem.outline.edges();
+    let touching = edges.iter().filter_map(|edge| Some((edge, scene.contact(edge.side)?)));
+    touching
+        .flat_map(|(edge, contact)| [(edge, contact, 0.0), (edge, contact, 1.0)])
+        .all(|(edge, contact, end)| is_known(edge, contact, end))
+}
+
+/// Whether the gap has no slope at an end of an edge, in any units: what two steps change is curvature or rounding.
+fn is_flat(edge: &Edge, contact: &Contact, end: f64) -> bool {
+    let gap = |steps: f64| {
+        let s = if end > 0.5 { 1.0 - steps * STEP } else { steps * STEP };
+        let [x, y] = edge.point(s);
+        contact.gap.eval(x, y, s)
+    };
+    let [a, b, c] = [0.0, 1.0, 2.0].map(gap);
+    let rounding = 16.0 * f64::EPSILON * (a.abs() + b.abs() + c.abs());
+    (4.0 * b - c - 3.0 * a).abs() <= FLAT * (b - a).abs().max((c - a).abs()) + rounding
+}
+
+#[cfg(test)]
+mod tests {
+    use steklov_problem::steklov_bem_operators::{Loop, Polygon};
+    use steklov_problem::steklov_expression::Expression;
+
+    use super::*;
+
+    /// Slopes are told from curvature whatever the units.
+    #[test]
+    fn slopes_are_told_from_curvature() {
+        let gaps = [
+            ("x^2", true),
+            ("1 - cos(7*x)", true),
+            ("0", true),
+            ("5", true),
+            ("x^2 - 3*x^3", true),
+            ("x", false),
+            ("x^2 + 0.01*x", false),
+            ("3 + x", false),
+            ("exp(x)", false),
+        ];
+        for (text, flat) in gaps {
+            for scale in [1e-12, 1.0, 1e9] {
+                let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
+                let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
+                let outline = Polygon::new(Loop::straight(corners, sides), vec![]).unwrap();
+                let gap = Expression::parse(&format!("{scale:?}*({text})"), &Default::default()).unwrap();
+                let contact = Contact { gap, friction: Friction::None };
+                assert_eq!(is_flat(&outline.edges()[0], &contact, 0.0), flat, "{scale:e} ({text})");
+            }
+        }
+    }
+}
