@@ -54,7 +54,8 @@ def study(
     progress: Progress = None,
     **overrides: Any,
 ) -> Study:
-    """Studies a scene: `what` is "convergence", "inf-sup", "stability", "solvers", "stochastic", "multiscale" or "coupling".
+    """Studies a scene: `what` is "convergence", "inf-sup", "stability", "solvers", "stochastic", "multiscale", "coupling" or
+    "quantities".
 
     A study of convergence compares `strategies` of refinement (all, if none are named), each with every one of the `multipliers`; seconds
     are medians of `repeat` runs. With a `folder` the HDF5 file, the tables and the charts of `steklov study` are written into it. Needs a

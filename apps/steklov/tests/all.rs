@@ -45,6 +45,7 @@ mod study_closed_forms;
 mod study_coupling;
 mod study_inf_sup;
 mod study_multiscale;
+mod study_quantities;
 mod study_settings;
 mod study_solvers;
 mod study_stability;

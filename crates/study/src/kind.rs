@@ -10,7 +10,7 @@ use crate::convergence::{Chosen, strategies as strategies_of};
 use crate::settings::{Setting, settings};
 use crate::stability::Beside;
 use crate::{Report, StudyError, Watch, contact_sides};
-use crate::{convergence, coupling, inf_sup, multiscale, solvers, stability, stochastic};
+use crate::{convergence, coupling, inf_sup, multiscale, quantities, solvers, stability, stochastic};
 
 /// A study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +29,8 @@ pub enum StudyKind {
     Multiscale,
     /// A body and the medium around it.
     Coupling,
+    /// Error bars of quantities.
+    Quantities,
 }
 
 /// The options of a study besides its scene.
@@ -49,7 +51,7 @@ pub type Draw<'d> = &'d dyn Fn(&Path) -> Result<Vec<PathBuf>, PictureError>;
 
 impl StudyKind {
     /// All studies, each with its word on the command line and its description.
-    pub const ALL: [(Self, &'static str, &'static str); 7] = [
+    pub const ALL: [(Self, &'static str, &'static str); 8] = [
         (Self::Convergence, "convergence", "Errors of strategies of refinement over unknowns and seconds"),
         (Self::InfSup, "inf-sup", "Inf-sup constants of contact multipliers, with and without stabilisation"),
         (
@@ -77,6 +79,7 @@ impl StudyKind {
             "coupling",
             "Errors, seconds and conditions of a body on a grid coupled with the unbounded medium around it",
         ),
+        (Self::Quantities, "quantities", "Error bars of quantities over their true errors, at every step of a run"),
     ];
 
     /// The word of the command.
@@ -104,6 +107,7 @@ impl StudyKind {
             Self::Stability => stability::settings(method),
             Self::Multiscale => Vec::new(),
             Self::Coupling => coupling::settings(method),
+            Self::Quantities => quantities::settings(scene),
         }
     }
 
@@ -167,6 +171,7 @@ impl StudyKind {
                 coupling::grids(scene)?;
                 pairs.len() + 6
             }
+            Self::Quantities => quantities::check(scene).map(|()| 2)?,
         })
     }
 
@@ -213,6 +218,10 @@ impl StudyKind {
                 let (pairs, grids) = (coupling::pairs(scene)?, coupling::grids(scene)?);
                 let study = coupling::study(scene, source, pairs, &grids, repeat, watch);
                 told(&coupling::report(&study), &|folder| coupling::pictures(&study, folder))
+            }
+            Self::Quantities => {
+                let study = quantities::study(scene, source, watch)?;
+                told(&quantities::report(&study), &|folder| quantities::pictures(&study, folder))
             }
         })
     }

@@ -49,6 +49,7 @@ pub mod solvers;
 pub mod stochastic;
 pub mod multiscale;
 pub mod coupling;
+pub mod quantities;
 
 pub use error::StudyError;
 pub use kind::{Draw, Options, StudyKind};

@@ -41,7 +41,7 @@ pub(super) struct StudyArgs {
     /// Runs of each strategy, of which the seconds are medians
     #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
-    /// Folder for the files; default: the scene's name with -study (-stability, -inf-sup, -solvers, -stochastic, -multiscale, -coupling) in the current folder
+    /// Folder for the files; default: the scene's name with -study (-stability, -inf-sup, -solvers, -stochastic, -multiscale, -coupling, -quantities) in the current folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Change a key of the scene, the value typed as TOML; may be repeated
