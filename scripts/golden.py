@@ -32,6 +32,7 @@ STUDIES = {
     "study-inf-sup": ("block-on-floor", ["--what", "inf-sup", "--set", "method.max_dofs=128"]),
     "study-stochastic": ("31-random-load-and-modulus", ["--what", "stochastic", "--set", "method.max_dofs=140"]),
     "study-multiscale": ("33-bar-of-random-cells", ["--what", "multiscale"]),
+    "study-quantities": ("76-numbers-by-names", ["--what", "quantities", "--set", "method.tolerance=1e-2"]),
     "study-coupling": ("40-transmission", ["--what", "coupling", "--set", "method.max_dofs=1200"]),
 }
 PICTURED = ("15-block-on-floor", "20-crack", "30-rough-obstacle", "35-checkerboard", "41-random-cells-in-a-medium", "45-tunnel", "48-shrink-fit-square")

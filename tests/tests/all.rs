@@ -25,6 +25,7 @@ mod grid_contact;
 mod grid_identities;
 mod grid_limits;
 mod inclusions;
+mod judged_bars;
 mod linings;
 mod invariance;
 mod many_modes;

@@ -32,19 +32,20 @@ fn westergaard(tolerance: f64) -> Scene {
 #[test]
 fn numbers_of_westergaards_wave_are_inside_their_bars() {
     let known = [("probe.0.displacement.y", -0.014671600245840428), ("probe.1.stress.yy", -0.0163024493590502)];
-    let mut widest = [f64::INFINITY; 2];
+    let (mut widest, mut inside) = ([f64::INFINITY; 2], 0);
     for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
         let summary = solved(&westergaard(tolerance));
         for ((path, exact), widest) in known.iter().zip(&mut widest) {
             let Quantity { value, uncertainty, doubts } = quantity(&summary, path);
             let error = (value - exact).abs();
             println!("{tolerance:e} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
-            assert!(error <= *uncertainty, "{path} at {tolerance:e}: {error:e} and {uncertainty:e}");
+            assert!(error <= 2.0 * uncertainty, "{path} at {tolerance:e}: {error:e} and {uncertainty:e}");
             assert!(uncertainty <= widest && doubts.is_empty(), "{path} at {tolerance:e}: {uncertainty:e}");
             *widest = *uncertainty;
+            inside += usize::from(error <= *uncertainty);
         }
     }
-    assert!(widest[0] < 1e-8 && widest[1] < 1e-9, "{widest:?}");
+    assert!(widest[0] < 1e-9 && widest[1] < 1e-10 && inside >= 8, "{widest:?}, inside {inside} of 10");
 }
 
 #[test]
@@ -77,7 +78,7 @@ fn forces_are_inside_their_bars() {
     let coulomb = ["sides.floor.contact.friction={coulomb=\"0.3\"}"];
     let parabola =
         ["sides.floor.contact={gap=\"(x-0.07)^2/3-0.02\",friction={tresca=\"4\"}}", "sides.top.displacement=[0.002,0]"];
-    let (mut count, mut half, mut wide) = (0, 0, 0);
+    let (mut count, mut half, mut inside, mut wide) = (0, 0, 0, 0);
     for (name, changes, known) in [
         (
             "wedge-gap",
@@ -105,14 +106,19 @@ fn forces_are_inside_their_bars() {
                 let error = (value - exact).abs();
                 println!("{name} {tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
                 assert!(error <= 2.5 * uncertainty + 1e-8, "{path} at {tolerance}: {error:e} and {uncertainty:e}");
-                (count, half) = (count + 1, half + usize::from(error <= *uncertainty + 1e-8));
-                wide += usize::from(*uncertainty > 20.0 * error + 1e-8);
+                let least = 2.0 * uncertainty + 1e-8;
+                (count, half, inside) =
+                    (count + 1, half + usize::from(error <= least), inside + usize::from(error <= *uncertainty));
+                wide += usize::from(*uncertainty > 10.0 * error + 1e-8);
             }
         }
     }
-    println!("{half} of {count}, {wide} wide");
-    // errors cross zero
-    assert!(10 * half >= 9 * count && 10 * wide <= count, "{half} of {count}, {wide} wide");
+    // bars are near the errors, which cross zero
+    let told = format!(
+        "at least half of the error in {half} of {count}, all of it in {inside}, more than ten times it in {wide}"
+    );
+    println!("{told}");
+    assert!(100 * half >= 97 * count && 10 * inside >= 7 * count && 20 * wide <= count, "{told}");
 }
 
 /// Where the answer is exact the bar is that of rounding, and nothing is in doubt.
@@ -129,13 +135,13 @@ fn exact_answers_have_bars_of_rounding() {
         };
         for (path, Quantity { uncertainty, doubts, .. }) in &summary.quantities {
             if path.starts_with("probe.") {
-                let size = largest(path.contains(".stress."));
+                let size = largest(!path.contains(".displacement."));
                 assert!((1e-13 * size..=1e-8 * size).contains(uncertainty), "{name} {path}: {uncertainty:e} of {size}");
             }
             assert!(doubts.is_empty(), "{name} {path}: {doubts:?}");
         }
         let of_points = summary.quantities.keys().filter(|path| path.starts_with("probe.")).count();
-        assert_eq!(of_points, 5 * summary.probe.len(), "{name}");
+        assert_eq!(of_points, 8 * summary.probe.len(), "{name}");
     }
 }
 
@@ -218,5 +224,76 @@ fn unknown_bars_are_not_told() {
     for name in ["random-modulus", "circular-inclusion"] {
         let summary = solved(&scene(name, &["method.tolerance=0.1", "expect={}"]));
         assert!(!summary.quantities.keys().any(|path| path.starts_with("probe")), "{name}");
+    }
+}
+
+/// Σ |η_e| of dual weighted residuals beside the change J₊ - J by the enriched spaces: their sum with signs is near that change, so that it is
+/// hardly larger than Σ |η_e|, and in the mean not much smaller.
+#[test]
+fn dual_weighted_residuals_are_of_the_size_of_the_change() {
+    for (name, settings) in [
+        ("elliptic-hole", &["probe.points=[[3, 0.5], [0.2, 1.4]]"][..]),
+        ("l-shape", &["probe.points=[[0.2, 0.3], [-0.3, 0.2]]"]),
+        ("plate-with-holes", &["probe.points=[[0.1, 1.6], [3.9, 2.1]]", "method.cuts=\"auto\""]),
+        ("tied-blocks", &["probe.points=[[0.31, 0.2]]"]),
+    ] {
+        let all: Vec<&str> = settings.iter().copied().chain(["method.tolerance=1e-4", "expect={}"]).collect();
+        let run = adapt(&scene(name, &all)).unwrap();
+        let (mut logs, mut covered) = (Vec::new(), 0);
+        for step in &run.progress.steps {
+            let estimate = step.estimate();
+            let sizes = estimate.quantities.iter().map(|q| q.value.abs()).fold(0.0, f64::max);
+            for q in &estimate.quantities {
+                let (change, [sum, _]) = ((q.enriched - q.value).abs(), q.weighted.unwrap_or_default());
+                if sum > 1e-9 * sizes {
+                    logs.push((change / sum).max(1e-3).ln());
+                    covered += usize::from(change <= 2.0 * sum);
+                }
+            }
+        }
+        let mean = (logs.iter().sum::<f64>() / logs.len() as f64).exp();
+        println!("{name}: |J₊ - J| / Σ|η_e| {mean:.2} in the mean of {}, at most 2 in {covered}", logs.len());
+        assert!(logs.len() >= 20 && (0.05..1.2).contains(&mean), "{name}: {mean} of {}", logs.len());
+        assert!(20 * covered >= 19 * logs.len(), "{name}: {covered} of {}", logs.len());
+    }
+}
+
+/// A force that equilibrium gives is exact on every mesh, however far conjugate gradients solve for the enriched spaces.
+#[test]
+fn forces_that_equilibrium_gives_have_bars_of_rounding() {
+    for tolerance in [1e-1, 1e-2, 1e-3] {
+        let summary = solved(&westergaard(tolerance));
+        let force = quantity(&summary, "reactions.floor.y");
+        assert!((force.value / (0.5 * 0.017_261_498_096_647_21) - 1.0).abs() < 1e-11, "{force:?}");
+        assert!(force.uncertainty < 1e-9 * force.value && force.doubts.is_empty() || tolerance > 1e-2, "{force:?}");
+    }
+}
+
+/// Von Mises and principal stresses of a tube under inner pressure, at its faces and between them.
+///
+/// Source: Lamé (1852); σ_r, σ_t = p a²/(b² - a²) (1 ∓ b²/r²), σ_z = ν (σ_r + σ_t).
+#[test]
+fn invariants_of_stress_are_inside_their_bars() {
+    for tolerance in ["1e-2", "1e-3", "1e-4"] {
+        let summary = solved(&scene(
+            "lame-tube",
+            &[&format!("method.tolerance={tolerance}"), "method.refine=\"hp\"", "expect={}"],
+        ));
+        for (k, r) in [1.0f64, 2.0, 1.5].into_iter().enumerate() {
+            let [radial, hoop] = [-1.0, 1.0].map(|sign| (1.0 + sign * 4.0 / (r * r)) / 3.0);
+            let axial = 0.3 * (radial + hoop);
+            let squares = (radial - hoop).powi(2) + (hoop - axial).powi(2) + (axial - radial).powi(2);
+            let known = [("von_mises", (0.5 * squares).sqrt()), ("max_principal", hoop), ("min_principal", radial)];
+            for (name, exact) in known {
+                let Quantity { value, uncertainty, .. } = quantity(&summary, &format!("probe.{k}.{name}"));
+                let error = (value - exact).abs();
+                println!("{tolerance} at {r} {name}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+                assert!(error <= 2.5 * uncertainty, "{tolerance} {r} {name}: {error:e} and {uncertainty:e}");
+                assert!(*uncertainty < 1e-2 * exact.abs().max(0.1) || tolerance == "1e-2", "{name}: {uncertainty:e}");
+            }
+            let probe = &summary.probe[k];
+            assert_eq!(probe.von_mises, Some(quantity(&summary, &format!("probe.{k}.von_mises")).value));
+            assert_eq!(probe.max_principal.zip(probe.min_principal).map(|(a, b)| a >= b), Some(true));
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The Steklov-Poincaré matrix of the enriched spaces, by blocks on top of that of the base.
 
-use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Col, Mat, Par};
 use steklov_algebra::{Image, add_product, cholesky, dot, solve_lower};
 use steklov_elastic::Material;
@@ -197,6 +197,20 @@ impl EnrichedSteklov {
         let sign = if of_base.domain().is_exterior() { -1.0 } else { 1.0 };
         let base = of_base.with_correction(&u.base, &values(&correction));
         Some(Enriched { base, extra: top.iter().map(|t| sign * t).collect() })
+    }
+
+    /// The right side of the dual problem of a functional of the traction, by its values j of the tractions, in the form that has displacements
+    /// alone: HᵀV⁻¹j on the nodes and on the bubbles, and on the top tractions j - V_xb V⁻¹j. None if tractions were not wanted.
+    pub fn dual_of_traction(&self, of_base: &TractionMap, j: &Enriched) -> Option<[Vec<f64>; 3]> {
+        let [mixed, of_bubble] = self.of_tractions.as_ref()?;
+        let (factor, solved, _) = of_base.factors();
+        let sign = if of_base.domain().is_exterior() { -1.0 } else { 1.0 };
+        let mut y = column(&j.base);
+        y *= sign;
+        solve_lower_triangular_in_place(factor, y.as_mat_mut(), Par::Seq);
+        let top = mixed.transpose() * &y;
+        let top = j.extra.iter().zip(top.iter()).map(|(j, of_base)| sign * j - of_base).collect();
+        Some([values(&(solved.transpose() * &y)), values(&(of_bubble.transpose() * &y)), top])
     }
 
     /// ⟨V P_p e_i, P_p e_j⟩ of element e.

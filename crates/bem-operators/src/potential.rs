@@ -53,9 +53,9 @@ pub(crate) struct Piece {
     /// log(|d|/L).
     log_half: f64,
     /// û[n], n = 0..=p.
-    displacement: Vec<[f64; 2]>,
+    pub(crate) displacement: Vec<[f64; 2]>,
     /// Coefficients of du/dt, n = 0..p.
-    derivative: Vec<[f64; 2]>,
+    pub(crate) derivative: Vec<[f64; 2]>,
     /// ψ[n], n = 0..p.
     pub(crate) traction: Vec<[f64; 2]>,
     /// γ(0), the distances from there at which the rules of distant points hold, and their nodes.
@@ -196,7 +196,7 @@ impl BoundaryField {
     }
 
     /// σ_nn, σ_nt from the traction, σ_tt = 2μ/(1-ν) ε_tt + ν/(1-ν) σ_nn, turned to x, y.
-    fn boundary_stress(&self, tangent: Complex64, traction: [f64; 2], along: [f64; 2]) -> [f64; 3] {
+    pub(crate) fn boundary_stress(&self, tangent: Complex64, traction: [f64; 2], along: [f64; 2]) -> [f64; 3] {
         let (t, n) = ([tangent.re, tangent.im], [tangent.im, -tangent.re]);
         let (nu, mu) = (self.material.nu(), self.material.mu());
         let nn = dot(traction, n);
@@ -228,6 +228,11 @@ impl BoundaryField {
     /// ends.
     pub fn equation_slope(&self, e: usize, t: f64) -> [f64; 2] {
         self.boundary_derivatives(e, t, 0..self.elements.len()).1
+    }
+
+    /// Number of its elements.
+    pub fn elements(&self) -> usize {
+        self.elements.len()
     }
 
     /// Material of the body.
@@ -313,33 +318,41 @@ impl Piece {
 
     /// Adds the displacement and its gradient at a point off the element, by exact integrals.
     fn add_near(&self, k: &Constants, x: Complex64, at: &mut AtPoint, u: &mut [f64; 2], gradient: &mut [[f64; 2]; 2]) {
-        let Segment { start, end } = self.segment;
-        at.off_piece(self, [x - start, x - end], true);
-        let scale = self.half * k.c_v;
+        at.at_distance(self, x);
         for n in 0..self.traction.len() {
-            let (t, d) = (self.traction[n], self.derivative[n]);
-            let add = |sum: &mut [f64; 2], log: f64, [xx, yy, xy]: [f64; 3]| {
-                sum[0] += scale * ((xx - k.kappa * log) * t[0] + xy * t[1]);
-                sum[1] += scale * (xy * t[0] + (yy - k.kappa * log) * t[1]);
-                // H J û', J û' = (-û'_y, û'_x)
-                let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
-                sum[0] -= -hxx * d[1] + hxy * d[0];
-                sum[1] -= -hxy * d[1] + hyy * d[0];
-            };
-            add(u, at.log(n), at.direction(n));
-            for (axis, along) in [Complex64::ONE, Complex64::I].into_iter().enumerate() {
-                let (log, rr) = at.slope(n, along);
-                let mut sum = [0.0; 2];
-                add(&mut sum, log, rr);
-                let double = at.double_slope(n, along);
-                gradient[0][axis] += sum[0] - double * d[0];
-                gradient[1][axis] += sum[1] - double * d[1];
-            }
+            self.add_terms(k, at, n, (self.traction[n], self.derivative[n]), (&mut *u, &mut *gradient));
         }
         for (n, c) in self.displacement.iter().enumerate() {
-            let double = at.double(n);
-            u[0] -= double * c[0];
-            u[1] -= double * c[1];
+            at.add_double(n, *c, u);
+        }
+    }
+
+    /// Adds what the coefficients n of traction and derivative have of displacement and gradient.
+    pub(crate) fn add_terms(
+        &self,
+        k: &Constants,
+        at: &AtPoint,
+        n: usize,
+        (t, d): ([f64; 2], [f64; 2]),
+        (u, gradient): (&mut [f64; 2], &mut [[f64; 2]; 2]),
+    ) {
+        let scale = self.half * k.c_v;
+        let add = |sum: &mut [f64; 2], log: f64, [xx, yy, xy]: [f64; 3]| {
+            sum[0] += scale * ((xx - k.kappa * log) * t[0] + xy * t[1]);
+            sum[1] += scale * (xy * t[0] + (yy - k.kappa * log) * t[1]);
+            // H J û', J û' = (-û'_y, û'_x)
+            let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
+            sum[0] -= -hxx * d[1] + hxy * d[0];
+            sum[1] -= -hxy * d[1] + hyy * d[0];
+        };
+        add(u, at.log(n), at.direction(n));
+        for (axis, along) in [Complex64::ONE, Complex64::I].into_iter().enumerate() {
+            let (log, rr) = at.slope(n, along);
+            let mut sum = [0.0; 2];
+            add(&mut sum, log, rr);
+            let double = at.double_slope(n, along);
+            gradient[0][axis] += sum[0] - double * d[0];
+            gradient[1][axis] += sum[1] - double * d[1];
         }
     }
 
@@ -396,6 +409,19 @@ impl AtPoint {
         let from = |y: Complex64| ((start - y) * after + (end - y) * before) * piece.inverse;
         self.curved = None;
         self.off_cut(piece, from(piece.segment.end), from(piece.segment.start));
+    }
+
+    /// A point off the element.
+    pub(crate) fn at_distance(&mut self, piece: &Piece, x: Complex64) {
+        let Segment { start, end } = piece.segment;
+        self.off_piece(piece, [x - start, x - end], true);
+    }
+
+    /// Adds the displacement of the double layer of the coefficient n.
+    pub(crate) fn add_double(&self, n: usize, c: [f64; 2], u: &mut [f64; 2]) {
+        let double = self.double(n);
+        u[0] -= double * c[0];
+        u[1] -= double * c[1];
     }
 
     /// A point off the element, from x - v₀ and x - v₁.

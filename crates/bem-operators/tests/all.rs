@@ -8,6 +8,7 @@ mod condense;
 mod curves;
 mod cut;
 mod enrichment;
+mod functional;
 mod gold;
 mod load;
 mod marking;

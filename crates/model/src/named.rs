@@ -74,7 +74,7 @@ impl OnMesh<'_> {
     }
 
     /// Calls `call` with the points of an element and their weights ds.
-    fn integrate(&self, e: usize, mut call: impl FnMut(f64, f64)) {
+    pub(crate) fn integrate(&self, e: usize, mut call: impl FnMut(f64, f64)) {
         let rule = gauss_legendre(self.space.degree(e) + MORE[usize::from(!self.mesh.is_line(e))]);
         rule.points.iter().zip(&rule.weights).for_each(|(&t, &w)| call(t, w * self.mesh.speed(e, t)));
     }

@@ -1,15 +1,19 @@
 //! Numbers that users quote, each with its error bar.
 //!
-//! With J_k the value of step k and J₊ that of the enriched spaces at the same contact sets,
+//! With J_k the value of step k, J₊ that of the enriched spaces at the same contact sets, and E the estimate in the energy norm,
 //! ```text
-//! d_k = max(|J₊ - J_k|, d_{k-1} min(1, (E_k / E_{k-1})²)),      uncertainty = 1.2 d_k + 0.3 |J_k - J_{k-1}|
+//! s = Σ_e |η_e|                                       dual weighted residuals, see `estimate/dual.rs`
+//! d_k = max(|J₊ - J_k|, s/2),   uncertainty = 1.2 max(d_k, d_{k-1} q) + Σ |δJ| of ends of contact,      q = min(1, (E_k / E_{k-1})²)
 //! ```
-//! E the estimate in the energy norm: |J₊ - J_k| crosses zero by accident, hardly twice in a row and hardly in all components: that of a
-//! component is a quarter of the largest one of its vector or tensor or more. The value of a pressure at a point is J₊, as tractions gain
-//! most of the enriched spaces. Of a single mesh, and of an exact solution, which has no step
-//! before it, the uncertainty is 5 |J₊ - J|. At corners and between sides J₊ removes less of the error: there stresses, and displacements where
-//! the stress is infinite, have three times the uncertainty, and the doubt `coarse`; pressures within one element of an end of contact have
-//! the doubt `transition`.
+//! but not more than what serves without a dual problem, in doubt, and for the first two steps:
+//! ```text
+//! uncertainty = 1.2 max(d_k, d_{k-1} q) + 0.3 |J_k - J_{k-1}|,      d_k = |J₊ - J_k|
+//! ```
+//! |J₊ - J_k| crosses zero by accident, hardly twice in a row and hardly in all components: without a dual that of a component is a quarter of
+//! the largest one of its vector or tensor or more. The value of a pressure at a point is J₊, as tractions gain most of the enriched spaces.
+//! Of a single mesh, and of an exact solution, which has no step before it, the uncertainty is max(5 |J₊ - J|, s). At corners and between sides J₊
+//! removes less of the error: there stresses, and displacements where the stress is infinite, have three times the uncertainty, and the doubt
+//! `coarse`; pressures within one element of an end of contact have the doubt `transition`.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -19,10 +23,11 @@ use steklov_bem_operators::{Edge, Location, SAME_PLACE};
 use steklov_elastic::plane::distance;
 use steklov_problem::{Condition, Friction, Multiplier, NamedQuantity, QuantityKind, Scene};
 
+use crate::answer::probes::invariants;
 use crate::answer::wedges::is_straight;
 use crate::contact_length::extracts_ends;
 use crate::doubt::Doubt;
-use crate::estimate::error_estimate::Estimate;
+use crate::estimate::error_estimate::{Bubble, Estimate};
 use crate::named::components;
 use crate::solve::contact_rows::{ContactRow, TOUCHING};
 use crate::solve::fields::ElasticField;
@@ -34,10 +39,16 @@ const OF_DIFFERENCE: f64 = 1.2;
 const OF_CHANGE: f64 = 0.3;
 /// How far the exact value may be, over the part that the enriched spaces see, without a step before.
 const OF_SINGLE: f64 = 5.0;
-/// Least part of the other components' differences that a component has: one of them crosses zero by accident.
+/// The part of Σ |η_e| that a difference has at least.
+const OF_WEIGHTED: f64 = 0.5;
+/// Steps before the one whose dual problems are trusted: the first ones see little of crack tips and corners.
+const LEAST_BEFORE: usize = 2;
+/// Least part of the other components' differences that a component has without a dual problem.
 const OF_OTHERS: f64 = 0.25;
 /// Relative errors of the energy norm that are rounding.
 const EXACT: f64 = 1e-10;
+/// Relative errors of the energy norm whose squares may be rounding errors of J.
+const ENERGY_ROUNDED: f64 = 1e-5;
 /// Rounding errors of a value, over the largest of its kind.
 const ROUNDED: f64 = 1e-11;
 /// Uncertainties below this many rounding errors are of no concern at corners.
@@ -56,13 +67,33 @@ pub struct Quantity {
     pub doubts: Vec<String>,
 }
 
+/// A quantity on a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EstimatedQuantity {
+    /// J(u).
+    pub value: f64,
+    /// J(u₊) of the enriched spaces.
+    pub enriched: f64,
+    /// Σ |η_e| of the dual weighted residuals, and what ends of contact add that are not at their vertices; where a dual problem is known.
+    pub weighted: Option<[f64; 2]>,
+}
+
 /// The quantities of a result by their paths in the JSON object.
 pub type Quantities = BTreeMap<String, Quantity>;
 
 /// The components at a point, in the order of [`at_points`].
-const OF_POINT: [&str; 5] = ["displacement.x", "displacement.y", "stress.xx", "stress.yy", "stress.xy"];
+const OF_POINT: [&str; 8] = [
+    "displacement.x",
+    "displacement.y",
+    "stress.xx",
+    "stress.yy",
+    "stress.xy",
+    "von_mises",
+    "max_principal",
+    "min_principal",
+];
 
-/// Displacement and stress at the points of a scene, five numbers for each.
+/// Displacement, stress and its invariants at the points of a scene.
 pub(crate) fn at_points(scene: &Scene, field: &ElasticField<'_>) -> Vec<f64> {
     let outline = &scene.problem.outline;
     let at = |x: [f64; 2]| match outline.contains(x) {
@@ -73,8 +104,9 @@ pub(crate) fn at_points(scene: &Scene, field: &ElasticField<'_>) -> Vec<f64> {
         .probe
         .iter()
         .flat_map(|&x| {
-            let ([u, v], [xx, yy, xy]) = at(x);
-            [u, v, xx, yy, xy]
+            let ([u, v], stress) = at(x);
+            let ([xx, yy, xy], [von_mises, larger, smaller]) = (stress, invariants(scene, x, stress));
+            [u, v, xx, yy, xy, von_mises, larger, smaller]
         })
         .collect()
 }
@@ -144,7 +176,9 @@ fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
     for point in 0..scene.probe.len() {
         let paths = |of: Range<usize>| OF_POINT[of].iter().map(|name| format!("probe.{point}.{name}")).collect();
         add(Of::Point(point), Kind::Displacement, paths(0..2));
-        add(Of::Point(point), Kind::Stress, paths(2..OF_POINT.len()));
+        add(Of::Point(point), Kind::Stress, paths(2..5));
+        add(Of::Point(point), Kind::Stress, paths(5..6));
+        add(Of::Point(point), Kind::Stress, paths(6..OF_POINT.len()));
     }
     for (_, side) in forces(scene, reactions) {
         let name = &scene.problem.sides[side].name;
@@ -174,6 +208,8 @@ pub struct Bars {
     values: Vec<[f64; 2]>,
     /// Displacement, stress, force and moment of the size of the solution.
     sizes: [f64; 4],
+    /// ½ Σ |η_e| of J, of an estimate without doubts, above rounding errors, where J is stationary.
+    of_energy: Option<f64>,
 }
 
 impl Bars {
@@ -186,34 +222,50 @@ impl Bars {
             return Self::default();
         }
         // what was before an exact solution says nothing about it
+        let is_early = before.len() < LEAST_BEFORE;
         let before = before.last().filter(|before| before.quantities.len() == last.quantities.len());
         let before = before.filter(|_| last.relative > EXACT);
+        let difference = |q: &EstimatedQuantity| (q.enriched - q.value).abs();
         let seen = |estimate: &Estimate, k: usize| {
-            let group = entries[k].group.clone().map(|k| estimate.quantities[k]);
-            let largest = group.map(|[value, plus]| (plus - value).abs()).fold(0.0, f64::max);
-            let [value, plus] = estimate.quantities[k];
+            let own = difference(&estimate.quantities[k]);
+            let group = estimate.quantities[entries[k].group.clone()].iter().map(difference);
             // what nothing bears is zero, and not by accident
-            if plus == value { 0.0 } else { (plus - value).abs().max(OF_OTHERS * largest) }
+            if own == 0.0 { 0.0 } else { own.max(OF_OTHERS * group.fold(0.0, f64::max)) }
         };
-        let of = |(k, [value, plus]): (usize, &[f64; 2])| {
-            let d = seen(last, k);
-            let uncertainty = match before.filter(|before| before.quantities[k][0].is_finite()) {
-                None => OF_SINGLE * d,
-                Some(before) => {
+        let weighted = |quantity: &EstimatedQuantity| {
+            quantity.weighted.map(|[sum, of_ends]| (difference(quantity).max(OF_WEIGHTED * sum), of_ends))
+        };
+        let of = |(k, quantity): (usize, &EstimatedQuantity)| {
+            let &EstimatedQuantity { value, enriched, .. } = quantity;
+            let before = before.map(|before| (before, &before.quantities[k])).filter(|(_, q)| q.value.is_finite());
+            let uncertainty = match before {
+                Some((before, of_before)) => {
                     let fallen = if before.error > 0.0 { (last.error / before.error).powi(2).min(1.0) } else { 1.0 };
-                    let d = d.max(fallen * seen(before, k));
-                    OF_DIFFERENCE * d + OF_CHANGE * (value - before.quantities[k][0]).abs()
+                    let change = (value - of_before.value).abs();
+                    let d = seen(last, k).max(fallen * seen(before, k));
+                    let wide = OF_DIFFERENCE * d + OF_CHANGE * change;
+                    match weighted(quantity).filter(|_| last.doubts.is_empty() && !is_early) {
+                        Some((d, of_ends)) => {
+                            let d = d.max(fallen * weighted(of_before).map_or(0.0, |(d, _)| d));
+                            wide.min(OF_DIFFERENCE * d + of_ends)
+                        }
+                        None => wide,
+                    }
                 }
+                None => (OF_SINGLE * seen(last, k)).max(quantity.weighted.map_or(0.0, |[sum, _]| sum)),
             };
             let is_pressure = matches!(entries[k], Entry { of: Of::Named(_), kind: Kind::Stress, .. });
-            [if is_pressure { *plus } else { *value }, uncertainty]
+            [if is_pressure { enriched } else { value }, uncertainty]
         };
         let values = last.quantities.iter().enumerate().map(of).collect();
         // energy² E = force², energy² / E = length²
         let modulus = scene.problem.bodies.iter().map(|body| body.material().young).fold(0.0, f64::max);
         let (force, diameter) = (last.scale * modulus.sqrt(), scene.problem.outline.diameter());
         let sizes = [force / modulus, force / diameter, force, force * diameter];
-        let mut all = Self { entries, values, sizes };
+        let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
+        let is_plain = last.doubts.is_empty() && last.relative > ENERGY_ROUNDED && !coulomb;
+        let of_energy = is_plain.then(|| OF_WEIGHTED * weighted_energy(last));
+        let mut all = Self { entries, values, sizes, of_energy };
         for k in 0..all.values.len() {
             all.values[k][1] = all.values[k][1].max(all.rounding(k));
         }
@@ -233,6 +285,12 @@ impl Bars {
         let own = self.entries.iter().zip(&self.values).filter(|(entry, _)| matches!(entry.of, Of::Named(_)));
         named.iter_mut().zip(own).for_each(|(told, (_, [value, _]))| *told = *value);
     }
+}
+
+/// Σ |η_e| of J, whose dual solution is u itself: the residuals of displacement and traction have opposite signs.
+fn weighted_energy(estimate: &Estimate) -> f64 {
+    let of = |bubble: &Bubble| 0.5 * ((bubble.displacement - bubble.traction).abs() + bubble.oscillation);
+    estimate.indicators.iter().chain(&estimate.of_cuts).map(of).sum()
 }
 
 /// Whether a point is a corner of the outline, or between two of its sides.
@@ -302,7 +360,10 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
     let mut quantities = Quantities::new();
     let (energy, known) = told.energy;
     if let Some([extrapolated, uncertainty]) = known {
-        quantities.insert("energy".to_owned(), with(energy, (extrapolated - energy).abs() + uncertainty));
+        let d = (extrapolated - energy).abs();
+        let wide = d + uncertainty;
+        let uncertainty = all.of_energy.map_or(wide, |half| wide.min(OF_DIFFERENCE * d.max(half)));
+        quantities.insert("energy".to_owned(), with(energy, uncertainty));
     }
     let first = all.entries.iter().position(|entry| matches!(entry.of, Of::Named(_))).unwrap_or(0);
     for (k, (entry, &[value, uncertainty])) in all.entries.iter().zip(&all.values).enumerate() {

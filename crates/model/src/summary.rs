@@ -323,9 +323,26 @@ pub struct Probe {
     /// σ_xx, σ_yy, σ_xy; NaN, in JSON null, where they are infinite.
     #[serde(deserialize_with = "numbers_or_null")]
     pub stress: [f64; 3],
+    /// Von Mises stress; left out where stresses are infinite, and of outcomes of random input.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub von_mises: Option<f64>,
+    /// The larger principal stress in the plane; left out where `von_mises` is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_principal: Option<f64>,
+    /// The smaller one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min_principal: Option<f64>,
     /// Whether the point is a vertex at which stresses grow without bound; left out if not.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub stress_unbounded: bool,
+}
+
+impl Probe {
+    /// Displacement and stress at a point.
+    pub(crate) fn new(point: [f64; 2], displacement: [f64; 2], stress: [f64; 3]) -> Self {
+        let [von_mises, max_principal, min_principal] = [None; 3];
+        Self { point, displacement, stress, von_mises, max_principal, min_principal, stress_unbounded: false }
+    }
 }
 
 /// Displacement and stress along a line.

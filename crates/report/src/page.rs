@@ -41,6 +41,8 @@ struct AtPoint {
     point: String,
     displacement: String,
     stress: String,
+    /// Von Mises stress and the principal stresses.
+    invariants: [String; 3],
 }
 
 /// A number, with its unit, and what is known of its error.
@@ -248,5 +250,7 @@ fn at_point(probe: &Probe) -> AtPoint {
         true => "unbounded: infinite at this vertex, whatever the mesh".to_owned(),
         false => format!("({})", probe.stress.map(usual).join(", ")),
     };
-    AtPoint { point: pair(probe.point), displacement: pair(probe.displacement), stress }
+    let one = |value: Option<f64>| value.map_or(String::new(), usual);
+    let invariants = [probe.von_mises, probe.max_principal, probe.min_principal].map(one);
+    AtPoint { point: pair(probe.point), displacement: pair(probe.displacement), stress, invariants }
 }

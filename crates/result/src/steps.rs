@@ -15,6 +15,7 @@ use steklov_model::doubt::Doubt;
 use steklov_model::estimate::error_estimate::{Bubble, Estimate};
 use steklov_model::estimate::residual::Residual;
 use steklov_model::estimators::ON_BOUNDARY;
+use steklov_model::quantities::EstimatedQuantity;
 use steklov_model::run::adaptive_loop::Step;
 use steklov_model::run::boundary_elements::{BoundaryElements, RefinedMesh};
 use steklov_problem::Scene;
@@ -106,7 +107,12 @@ fn save_estimate(at: &Group, estimate: &Estimate) -> Result<(), IoError> {
     save_texts(at, "doubts", &doubts, "why the estimate is not reliable", "doubt")?;
     if !estimate.quantities.is_empty() {
         let meaning = "values of quantities, and those of the spaces of one degree more";
-        save_points(at, "quantities", &estimate.quantities, &label("as each", meaning, &["quantity", "space"]))?;
+        let pairs: Vec<[f64; 2]> = estimate.quantities.iter().map(|q| [q.value, q.enriched]).collect();
+        save_points(at, "quantities", &pairs, &label("as each", meaning, &["quantity", "space"]))?;
+        let meaning = "sums of the absolute dual weighted residuals of the elements, and what ends of contact add that are not at their \
+                       vertices; NaN where there is no dual problem";
+        let weighted: Vec<[f64; 2]> = estimate.quantities.iter().map(|q| q.weighted.unwrap_or([f64::NAN; 2])).collect();
+        save_points(at, "quantities_weighted", &weighted, &label("as each", meaning, &["quantity", "part"]))?;
     }
     let indicators = create_group(at, "indicators")?;
     for (name, meaning, term) in BUBBLE_TERMS {
@@ -233,9 +239,27 @@ fn load_estimate(at: &Group, elements: usize, of_cuts: Vec<Bubble>) -> Result<Es
         energy,
         uncertainty,
         doubts: doubts.collect::<Result<_, _>>()?,
-        // older files have none
-        quantities: if at.link_exists("quantities") { load_points(at, "quantities")? } else { Vec::new() },
+        quantities: load_quantities(at)?,
     })
+}
+
+/// The quantities of a step; older files have none, or none with dual weighted residuals.
+fn load_quantities(at: &Group) -> Result<Vec<EstimatedQuantity>, IoError> {
+    if !at.link_exists("quantities") {
+        return Ok(Vec::new());
+    }
+    let pairs: Vec<[f64; 2]> = load_points(at, "quantities")?;
+    let name = "quantities_weighted";
+    let weighted = if at.link_exists(name) { load_points(at, name)? } else { vec![[f64::NAN; 2]; pairs.len()] };
+    if weighted.len() != pairs.len() {
+        return Err(invalid(at, name, format!("{} sums of {} quantities", weighted.len(), pairs.len())));
+    }
+    let of = |([value, enriched], weighted): ([f64; 2], [f64; 2])| EstimatedQuantity {
+        value,
+        enriched,
+        weighted: Some(weighted).filter(|[sum, _]| sum.is_finite()),
+    };
+    Ok(pairs.into_iter().zip(weighted).map(of).collect())
 }
 
 /// A whole number, not negative.

@@ -3,12 +3,28 @@
 use rayon::prelude::*;
 use steklov_bem_operators::Mesh;
 use steklov_elastic::plane::{dot, turned};
+use steklov_elastic::principal;
 use steklov_problem::{ProbeLine, Scene, Spot};
 
 use crate::summary::{LinePoint, LineProbe, Probe, SidePoint, SideProbe};
 
 /// Displacement and stress.
 type State = ([f64; 2], [f64; 3]);
+
+/// Gives points the invariants of their stresses where these are finite.
+pub(crate) fn tell_invariants(scene: &Scene, probes: &mut [Probe]) {
+    for probe in probes.iter_mut().filter(|probe| probe.stress.iter().all(|s| s.is_finite())) {
+        let [von_mises, larger, smaller] = invariants(scene, probe.point, probe.stress);
+        (probe.von_mises, probe.max_principal, probe.min_principal) = (Some(von_mises), Some(larger), Some(smaller));
+    }
+}
+
+/// Von Mises stress and the principal stresses in the plane of a stress at a point, the larger one first.
+pub(crate) fn invariants(scene: &Scene, x: [f64; 2], stress: [f64; 3]) -> [f64; 3] {
+    let body = scene.problem.spot(x).map_or(0, |spot| spot.body);
+    let [larger, smaller] = principal(stress);
+    [scene.problem.bodies[body].material().von_mises(stress), larger, smaller]
+}
 
 /// Displacement and stress along the lines of a scene, as `at` has them at a point where something lies.
 pub(crate) fn lines(scene: &Scene, at: impl Fn(Spot, [f64; 2]) -> State + Sync) -> Vec<LineProbe> {

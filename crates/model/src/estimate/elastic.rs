@@ -14,7 +14,7 @@
 
 use std::sync::Arc;
 
-use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, PairCache, Subdomain};
+use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, PairCache, Subdomain, TractionMap};
 use steklov_elastic::RigidMotion;
 use steklov_elastic::plane::{dot, solve2};
 
@@ -185,6 +185,11 @@ impl<'a> Elastic<'a> {
         self.elements
     }
 
+    /// No displacement, or load, on all nodes and bubbles.
+    pub(crate) fn zero(&self) -> Enriched {
+        Enriched { base: vec![0.0; 2 * self.nodes], extra: vec![0.0; 2 * self.elements] }
+    }
+
     /// Forces on the bubbles, two for each element.
     pub(crate) fn bubble_force(&self) -> Vec<f64> {
         let mut forces = vec![0.0; 2 * self.elements];
@@ -192,6 +197,46 @@ impl<'a> Elastic<'a> {
             part.add_extra(&mut forces, &part.enriched.bubble_force(&part.u));
         }
         forces
+    }
+
+    /// The loads of the dual problem of a functional of the field of a piece with this traction map, by its values j of the enriched
+    /// functions: on nodes and bubbles, and on the top tractions of the piece; None without tractions.
+    pub(crate) fn dual_load(
+        &self,
+        piece: usize,
+        of_base: &TractionMap,
+        [displacement, traction]: &[Enriched; 2],
+    ) -> Option<(Enriched, Vec<f64>)> {
+        let part = &self.parts[piece];
+        let [base, extra, top] = part.enriched.dual_of_traction(of_base, traction)?;
+        // the tractions are those of the map times the modulus
+        let with = |u: &[f64], t: Vec<f64>| u.iter().zip(t).map(|(u, t)| u / part.modulus + t).collect::<Vec<f64>>();
+        let mut all = self.zero();
+        part.add_base(&mut all.base, with(&displacement.base, base));
+        part.add_extra(&mut all.extra, &with(&displacement.extra, extra));
+        Some((all, top))
+    }
+
+    /// The residual of a dual solution z on the bubbles, given the load there, and ρ_ψ·x_ψ of each element, ρ_ψ the traction residual of u and
+    /// x_ψ that of z over V; `tops` are the loads of top tractions by pieces.
+    pub(crate) fn dual_residual(&self, z: &[f64], load: &[f64], tops: &[(usize, Vec<f64>)]) -> (Vec<f64>, Vec<f64>) {
+        let (mut bubbles, mut of_tractions) = (vec![0.0; 2 * self.elements], vec![0.0; self.elements]);
+        for (k, part) in self.parts.iter().enumerate() {
+            let own = part.place.base(z);
+            part.add_extra(&mut bubbles, &part.enriched.bubble_force(&own));
+            let mut residual: Vec<f64> = part.enriched.traction_residual(&own).iter().map(|r| -r).collect();
+            for (_, top) in tops.iter().filter(|(piece, _)| *piece == k) {
+                residual.iter_mut().zip(top).for_each(|(r, top)| *r += top);
+            }
+            let primal = part.enriched.traction_residual(&part.u);
+            for (local, &e) in part.place.elements.iter().enumerate() {
+                let at = |of: &[f64]| [of[2 * local], of[2 * local + 1]];
+                let x = solve2(part.enriched.single_layer_block(local), at(&residual));
+                of_tractions[e] += part.modulus * dot(at(&primal), x);
+            }
+        }
+        let residual = load.iter().zip(&bubbles).map(|(load, force)| load - force).collect();
+        (residual, of_tractions)
     }
 
     /// η_ψ² = ρ_ψᵀ [V_PP]⁻¹ ρ_ψ of each element, summed over the parts.
@@ -224,7 +269,7 @@ impl<'a> Elastic<'a> {
 
     /// S₊u - (Su, 0), and its work on u: both summed over the parts.
     pub(crate) fn excess(&self) -> (Enriched, f64) {
-        let mut all = Enriched { base: vec![0.0; 2 * self.nodes], extra: vec![0.0; 2 * self.elements] };
+        let mut all = self.zero();
         let mut gained = 0.0;
         for part in &self.parts {
             let excess = part.enriched.excess(&part.u);

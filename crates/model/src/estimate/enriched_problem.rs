@@ -29,7 +29,7 @@ impl Frame {
     const FREE: Self = Self { directions: [[1.0, 0.0], [0.0, 1.0]], free: [true; 2] };
 
     /// x = A⁻¹ρ in the free directions.
-    fn solve(&self, a: [[f64; 2]; 2], rho: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn solve(&self, a: [[f64; 2]; 2], rho: [f64; 2]) -> [f64; 2] {
         let [d, t] = self.directions;
         let one = |x: [f64; 2]| x.map(|c| c * dot(x, rho) / dot(x, a.map(|row| dot(row, x))));
         match self.free {
@@ -102,10 +102,15 @@ impl System<'_> {
         all
     }
 
-    fn precondition(&self, r: &Enriched) -> Enriched {
-        let load = self.condensation.load_of_correction(&r.base);
+    /// u of Su = r on the nodes, in the directions that are free.
+    pub(crate) fn solve_base(&self, r: &[f64]) -> Vec<f64> {
+        let load = self.condensation.load_of_correction(r);
         let kept = self.frozen.map_or(Vec::new(), |f| f.correction(&load.kept));
-        let base = self.condensation.expand(&load, &kept);
+        self.condensation.expand(&load, &kept)
+    }
+
+    fn precondition(&self, r: &Enriched) -> Enriched {
+        let base = self.solve_base(&r.base);
         let extra = (0..self.frames.len()).flat_map(|e| {
             let rho = [r.extra[2 * e], r.extra[2 * e + 1]];
             self.frames[e].solve(self.blocks[e], rho)
@@ -113,8 +118,8 @@ impl System<'_> {
         Enriched { base, extra: extra.collect() }
     }
 
-    /// ⟨S₊e, e⟩ and e of S₊e = r, by conjugate gradients until a step adds less than `enough` of that energy.
-    pub(crate) fn correction(&self, r: &Enriched, enough: f64) -> (f64, Enriched) {
+    /// ⟨S₊e, e⟩ and e of S₊e = r, by conjugate gradients until a step adds less than `enough` of that energy, and r - S₊e.
+    pub(crate) fn correction(&self, r: &Enriched, enough: f64) -> (f64, Enriched, Enriched) {
         let mut e = Enriched { base: vec![0.0; r.base.len()], extra: vec![0.0; r.extra.len()] };
         let mut r = r.clone();
         let mut z = self.precondition(&r);
@@ -129,16 +134,16 @@ impl System<'_> {
             }
             energy += step * rz;
             e.add(step, &p);
+            r.add(-step, &s);
             if step * rz <= enough * energy {
                 break;
             }
-            r.add(-step, &s);
             z = self.precondition(&r);
             let next = r.dot(&z);
             let mut direction = z.clone();
             direction.add(next / rz, &p);
             (p, rz) = (direction, next);
         }
-        (energy, e)
+        (energy, e, r)
     }
 }

@@ -21,26 +21,29 @@ use crate::data::on_mesh::OnMesh;
 use crate::data::parts::Assembled;
 use crate::error::SolveError;
 use crate::estimate::contact_ends::ContactEnd;
+use crate::estimate::dual::Duals;
 use crate::estimate::elastic::Elastic;
-use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame, System};
-use crate::quantities;
+use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame};
+use crate::estimate::functionals::has_duals;
+use crate::quantities::{self, EstimatedQuantity};
 use crate::solve::body::{Body, Factors};
 use crate::solve::fields::{ElasticField, Field};
 use crate::solve::solution::Solved;
 
-/// The values J(u) and J(u₊) of the quantities of a scene, in their order, and the ends of contact at `tips`; empty where u₊ has none.
+/// The quantities of a scene in their order, J(u), J(u₊) and dual weighted residuals, and the ends of contact at `tips`; empty where u₊ has
+/// none.
 ///
 /// # Errors
 /// Data that are not finite.
 pub(crate) fn both(
     (data, tips): (&OnMesh<'_>, &[Tip]),
     solved: &Solved,
-    (body, factors): (&Body, &Factors),
-    (elastic, system): (&Elastic<'_>, &System<'_>),
+    factors: &Factors,
+    duals: &Duals<'_>,
     bubbles: &[ContactBubble],
     right: &Enriched,
-) -> Result<(Vec<[f64; 2]>, Vec<ContactEnd>), SolveError> {
-    let scene = data.scene;
+) -> Result<(Vec<EstimatedQuantity>, Vec<ContactEnd>), SolveError> {
+    let (scene, &Duals { body, system, .. }) = (data.scene, duals);
     if !is_known(scene, solved) {
         return Ok((Vec::new(), Vec::new()));
     }
@@ -49,13 +52,13 @@ pub(crate) fn both(
     if missed.extra.iter().any(|bubble| *bubble != 0.0) {
         residual.add(-1.0, &system.multiply(&missed));
     }
-    let (_, mut correction) = system.correction(&residual, ENOUGH_FOR_QUANTITIES);
+    let (_, mut correction, rest) = system.correction(&residual, ENOUGH_FOR_QUANTITIES);
     correction.add(1.0, &missed);
     // S₊u₊ - S u on the nodes
     let mut change = system.multiply(&correction).base;
     change.iter_mut().zip(&right.base).for_each(|(force, r)| *force -= r);
     let mut both: Vec<[f64; 2]> = Vec::new();
-    let field = field(body, (solved, factors), elastic, &correction);
+    let field = field(body, (solved, factors), system.elastic, &correction);
     let plus = field.as_ref().map(|field| ElasticField { field, ..solved.elastic_field() });
     let pair = |value: Vec<f64>, plus: Vec<f64>| value.into_iter().zip(plus).map(|(value, plus)| [value, plus]);
     if let Some(plus) = &plus {
@@ -74,7 +77,19 @@ pub(crate) fn both(
         ends = data.contact_ends(tips, part, [&solved.elastic_field(), plus]);
     }
     both.extend(length_of_contact(scene, tips, &ends));
-    Ok((both, ends))
+    let mut functionals =
+        if has_duals(scene, tips, &ends) { data.functionals(solved, field.as_ref()) } else { Vec::new() };
+    functionals.resize(both.len(), None);
+    let all = both.iter().zip(functionals).map(|(&[value, enriched], functional)| {
+        let weighted = functional.and_then(|functional| duals.weighted(&functional, &rest.base, &ends));
+        let of_rest = weighted.as_ref().map_or(0.0, |weighted| weighted.of_rest);
+        EstimatedQuantity {
+            value,
+            enriched: enriched + of_rest,
+            weighted: weighted.map(|weighted| [weighted.sum, weighted.of_ends]),
+        }
+    });
+    Ok((all.collect(), ends))
 }
 
 /// Whether quantities are asked for; of media those whose displacement decays have them, where boundary elements are on the side of the
@@ -149,7 +164,7 @@ fn field<'b>(
 
 impl OnMesh<'_> {
     /// The nodes of a side.
-    fn nodes_of(&self, side: usize) -> BTreeSet<usize> {
+    pub(crate) fn nodes_of(&self, side: usize) -> BTreeSet<usize> {
         self.elements_of(side).flat_map(|e| self.space.element_nodes(e)).collect()
     }
 

@@ -26,6 +26,7 @@ use crate::data::on_mesh::OnMesh;
 use crate::doubt::Doubt;
 use crate::energies::Energies;
 use crate::error::SolveError;
+use crate::estimate::dual::Duals;
 use crate::estimate::elastic::{Elastic, EnrichedBody};
 use crate::estimate::enriched_problem::{ENOUGH, Frame, System, frames};
 use crate::estimate::enriched_solution;
@@ -35,6 +36,7 @@ use crate::estimate::penetration::{Overlap, Unseen};
 use crate::estimate::residual::{Residual, knows_residuals};
 use crate::estimate::unseen::{unseen_at_vertices, unseen_by_tractions};
 use crate::mesh::first_mesh::coarse_elements;
+use crate::quantities::EstimatedQuantity;
 use crate::solve::body::{Body, Factors};
 use crate::solve::equilibrium::UNBALANCED;
 use crate::solve::solution::Solved;
@@ -83,8 +85,8 @@ pub struct Estimate {
     pub uncertainty: f64,
     /// What makes the estimate unreliable; empty if nothing does.
     pub doubts: Vec<Doubt>,
-    /// The values of quantities, and those of the enriched spaces; empty where the latter are not known.
-    pub quantities: Vec<[f64; 2]>,
+    /// The quantities; empty where the enriched spaces have no values.
+    pub quantities: Vec<EstimatedQuantity>,
 }
 
 /// Error over the geometric mean of η and of the correction, measured: the correction alone sees 0.6 to 0.95 of the error, η,
@@ -184,36 +186,17 @@ pub fn estimate(
         blocks: (0..frames.len()).map(|e| sum(elastic.stiffness_block(e), of_springs[e])).collect(),
     };
     let (gained, right) = right_side(&elastic, &residual);
-    let (squared, correction) = system.correction(&right, ENOUGH);
-    let (quantities, ends) =
-        enriched_solution::both((&data, tips), solved, (body, factors), (&elastic, &system), &bubbles, &right)?;
+    let (squared, correction, _) = system.correction(&right, ENOUGH);
+    let duals = Duals::new(&data, (solved, body), &system, &of_springs, &residual);
+    let (quantities, ends) = enriched_solution::both((&data, tips), solved, factors, &duals, &bubbles, &right)?;
 
     let held = held_tractions(scene, solved, &elastic, &indicators, (&frames, &of_springs));
     let unseen = unseen_of(scene, solved, factors, &indicators, &correction);
     let all: Vec<Bubble> = indicators.iter().chain(&of_cuts).copied().collect();
     let error = combined_error(&all, squared, unseen, held, factors.difference);
-    let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
-    let friction = data.friction_work_left(solved, factors)?;
-    let turning = data.turning_work(solved, body, &factors.homogeneous);
-    let on_springs = body.springs.work_on_rest(&data, &solved.displacement, &solved.particular);
-    let of_data = of_jump
-        + data.held_work(solved)?
-        + HELD_REST * held_oscillation
-        + friction
-        + nonconformity.work
-        + turning
-        + on_springs;
-    let extrapolation = 0.5 * (gained - squared);
-    let energy = factors.energy + of_data + extrapolation;
-    if !error.is_finite() || !energy.is_finite() {
-        return Err(SolveError::NotFinite { energy });
-    }
-    let coulomb = solved.contact.as_ref().is_some_and(|c| c.coulomb.is_some());
-    let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * solved.energies.friction_work).sqrt() } else { 0.0 };
-    let of_square = if solved.contact.is_some() { OF_SQUARE_WITH_CONTACT } else { OF_SQUARE };
-    let first_order = extrapolation.abs() + of_jump.abs() + nonconformity.work.abs() + turning.abs();
-    let uncertainty = 0.5 * first_order + friction.abs() + of_square * error * error + bounds;
-    let uncertainty = uncertainty.max(rounding_of_energy(solved, body, scale));
+    let of_nodes = (gained, squared, HELD_REST * held_oscillation);
+    let [energy, uncertainty] =
+        extrapolated(&data, solved, (body, factors), of_nodes, nonconformity.work, (error, scale))?;
     let unresolved = unresolved(&data, solved, factors, &bubbles)?;
     let mut doubts = doubts(scene, solved, (&unresolved, &overlaps), error);
     doubts.extend(turns_too_far(solved, body).then_some(Doubt::Roundoff));
@@ -234,6 +217,34 @@ pub fn estimate(
         quantities,
     };
     Ok((estimate, Unseen { overlaps, unresolved, ends }))
+}
+
+/// J of the enriched spaces and of the data themselves, and how far the exact J may be from that. S₊ gains (`gained` - `squared`)/2 on the
+/// nodes, and the rests of held displacements have some more; `error` and `scale` are those of the estimate.
+fn extrapolated(
+    data: &OnMesh<'_>,
+    solved: &Solved,
+    (body, factors): (&Body, &Factors),
+    (gained, squared, of_rests): (f64, f64, f64),
+    nonconformity: f64,
+    (error, scale): (f64, f64),
+) -> Result<[f64; 2], SolveError> {
+    let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
+    let friction = data.friction_work_left(solved, factors)?;
+    let turning = data.turning_work(solved, body, &factors.homogeneous);
+    let on_springs = body.springs.work_on_rest(data, &solved.displacement, &solved.particular);
+    let of_data = of_jump + data.held_work(solved)? + of_rests + friction + nonconformity + turning + on_springs;
+    let extrapolation = 0.5 * (gained - squared);
+    let energy = factors.energy + of_data + extrapolation;
+    if !error.is_finite() || !energy.is_finite() {
+        return Err(SolveError::NotFinite { energy });
+    }
+    let coulomb = solved.contact.as_ref().is_some_and(|c| c.coulomb.is_some());
+    let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * solved.energies.friction_work).sqrt() } else { 0.0 };
+    let of_square = if solved.contact.is_some() { OF_SQUARE_WITH_CONTACT } else { OF_SQUARE };
+    let first_order = extrapolation.abs() + of_jump.abs() + nonconformity.abs() + turning.abs();
+    let uncertainty = 0.5 * first_order + friction.abs() + of_square * error * error + bounds;
+    Ok([energy, uncertainty.max(rounding_of_energy(solved, body, scale))])
 }
 
 /// The gain of J of the nodes by S₊, and r = f₊ - S₊(u, 0).

@@ -3,10 +3,12 @@
 
 pub(crate) mod contact_ends;
 pub(crate) mod data_work;
+pub(crate) mod dual;
 pub(crate) mod elastic;
 pub(crate) mod enriched_problem;
 pub(crate) mod enriched_solution;
 pub mod error_estimate;
+pub(crate) mod functionals;
 pub(crate) mod interface_residual;
 pub(crate) mod multiplier_difference;
 pub(crate) mod on_springs;

@@ -147,7 +147,7 @@ impl<'a> AffineGrid<'a> {
             let at = grid.locate(point).map(|(cell, local)| stress(cell, local));
             let displacement = self.body.at(u, point).map_or([f64::NAN; 2], |(displacement, _)| displacement);
             let place = if a == 0 { point } else { [0.0; 2] };
-            Probe { point: place, displacement, stress: at.unwrap_or([f64::NAN; 3]), stress_unbounded: false }
+            Probe::new(place, displacement, at.unwrap_or([f64::NAN; 3]))
         };
         let strain = 0.5 * (load_work + held_work);
         let figures = Summary {

@@ -62,7 +62,7 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
             Some(around) if scene.problem.outline.contains(point) == Location::Outside => around.at(point),
             _ => solved.at(point),
         };
-        Probe { point, displacement, stress, stress_unbounded: false }
+        Probe::new(point, displacement, stress)
     };
     let trace = solved.trace();
     Report {

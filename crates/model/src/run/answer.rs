@@ -52,6 +52,7 @@ pub fn answer<M: Model>(
     let singular = if exact { Vec::new() } else { singular_points::singular_points(scene, report.trace.mesh, rows) };
     let infinite = singular_points::is_among(scene, &singular);
     probes::tell_unbounded(&mut probe, &mut lines, &mut sides, &infinite);
+    probes::tell_invariants(scene, &mut probe);
     report.bars.tell(&mut values);
     let named = named(scene, &values, infinite);
     let told = || singular_points::told(scene, report.trace.mesh, rows, singular);

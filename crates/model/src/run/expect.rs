@@ -109,7 +109,9 @@ fn shape(scene: &Scene) -> Value {
         stabilisation: Some(Stabilisation { gamma: 0.0, critical_gamma: 0.0 }),
         ..ContactSummary::default()
     };
-    let probe = Probe { point: [0.0; 2], displacement: [0.0; 2], stress: [0.0; 3], stress_unbounded: true };
+    let [von_mises, max_principal, min_principal] = [Some(0.0); 3];
+    let of_point = Probe::new([0.0; 2], [0.0; 2], [0.0; 3]);
+    let probe = Probe { von_mises, max_principal, min_principal, stress_unbounded: true, ..of_point };
     let summary = Summary {
         energy_extrapolated: Some(0.0),
         energy_uncertainty: Some(0.0),

@@ -61,6 +61,16 @@ impl Field {
         Self { pieces: pieces.into_iter().map(|(_, field)| field).collect(), places, cuts }
     }
 
+    /// The piece of element e, and its number there.
+    pub(crate) fn place(&self, e: usize) -> (usize, usize) {
+        self.places[e]
+    }
+
+    /// The piece of a point inside a body.
+    pub(crate) fn piece_at(&self, body: usize, x: [f64; 2]) -> usize {
+        self.cuts.as_ref().map_or(body, |of| of.cuts.at(x))
+    }
+
     /// Whether the body is cut into subdomains.
     pub fn is_cut(&self) -> bool {
         self.cuts.is_some()
@@ -80,7 +90,7 @@ impl Field {
             let mean = |of: &dyn Fn(&Trace) -> f64| sides.iter().map(of).sum::<f64>() / sides.len() as f64;
             return ([0, 1].map(|i| mean(&|s| s.displacement[i])), [0, 1, 2].map(|i| mean(&|s| s.stress[i])));
         }
-        let piece = self.cuts.as_ref().map_or(body, |of| of.cuts.at(x));
+        let piece = self.piece_at(body, x);
         let Inside { displacement, stress, .. } = self.pieces[piece].inside(x);
         (displacement, stress)
     }

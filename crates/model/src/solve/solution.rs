@@ -118,6 +118,6 @@ impl Solved {
             (Location::Outside, Some(around)) => around.at(x),
             _ => self.inside(scene.problem.outline.body_at(x).unwrap_or(0), x),
         };
-        Probe { point: x, displacement, stress, stress_unbounded: false }
+        Probe::new(x, displacement, stress)
     }
 }

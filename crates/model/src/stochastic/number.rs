@@ -46,7 +46,7 @@ pub(crate) fn check_quantities(scene: &Scene, random: &Random) -> Result<(), Dat
         of_side.springs.is_some() || of_side.holds(0) || of_side.holds(1) || scene.contact(side).is_some()
     };
     let zero = ContactSummary { contraction: Some(0.0), ..ContactSummary::default() };
-    let at = |&point: &[f64; 2]| Probe { point, displacement: [0.0; 2], stress: [0.0; 3], stress_unbounded: true };
+    let at = |&point: &[f64; 2]| Probe { stress_unbounded: true, ..Probe::new(point, [0.0; 2], [0.0; 3]) };
     let sides = (0..scene.problem.sides.len()).filter(|&side| holds(side));
     let interface = |interface: &Interface| {
         let of_contact = matches!(interface.law, Law::Contact(_)).then_some(0.0);
@@ -149,10 +149,8 @@ mod tests {
             stabilisation: None,
         };
         let probe = |k: f64, stress_unbounded| Probe {
-            point: [k, 0.1],
-            displacement: [k + 0.2, -0.0],
-            stress: [k + 10.0, f64::NAN, k + 30.0],
             stress_unbounded,
+            ..Probe::new([k, 0.1], [k + 0.2, -0.0], [k + 10.0, f64::NAN, k + 30.0])
         };
         Summary {
             energy: -1.0,

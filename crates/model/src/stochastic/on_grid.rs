@@ -133,7 +133,7 @@ fn summary(scene: &Scene, solved: &GridSolved) -> Summary {
         .iter()
         .map(|&point| {
             let (displacement, stress) = solved.at(point);
-            Probe { point, displacement, stress, stress_unbounded: false }
+            Probe::new(point, displacement, stress)
         })
         .collect();
     figures

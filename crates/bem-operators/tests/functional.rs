@@ -1,0 +1,104 @@
+//! Linear functionals of boundary fields against the fields themselves, and the right side of dual problems.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use steklov_bem_operators::{
+    BoundaryField, Domain, Enriched, EnrichedSteklov, Functional, Loop, Mesh, Operators, PairCache, Polygon, Raised,
+    Space, Steklov, Trace,
+};
+use steklov_elastic::{Material, Plane};
+
+/// A square with a circular hole: lines and arcs.
+fn polygon() -> Polygon {
+    let corners = vec![[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let square = Loop::straight(corners, vec!["s".to_owned(); 4]);
+    Polygon::new(square, vec![Loop::circle([0.2, 0.1], 0.4, 4, "c")]).unwrap()
+}
+
+fn material() -> Material {
+    Material::new(3.0, 0.3, Plane::Strain).unwrap()
+}
+
+/// A displacement and a traction of the enriched spaces of a mesh.
+fn enriched(mesh: &Mesh, space: &Space, values: &[f64]) -> [Enriched; 2] {
+    let of = |from: usize| {
+        let at = |k: usize| values[(from + 7 * k) % values.len()];
+        let n = space.dofs();
+        Enriched { base: (0..n).map(at).collect(), extra: (n..n + 2 * mesh.len()).map(at).collect() }
+    };
+    [of(0), of(3)]
+}
+
+fn dot(functional: &[Enriched; 2], of: &[Enriched; 2]) -> f64 {
+    functional.iter().zip(of).map(|(a, b)| a.dot(b)).sum()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn functionals_have_the_values_of_fields(
+        degree in 1usize..5,
+        values in vec(-1.0f64..1.0, 211),
+        x in [-0.95f64..0.95, -0.95f64..0.95],
+        (place, t) in (0usize..16, -0.99f64..0.99),
+        weights in vec(-1.0f64..1.0, 7),
+    ) {
+        prop_assume!((x[0] - 0.2).hypot(x[1] - 0.1) > 0.43);
+        let mesh = Mesh::uniform(&polygon(), 16, degree);
+        let space = Space::new(&mesh);
+        let own = enriched(&mesh, &space, &values);
+        let raised = Raised::new(&mesh, &space, &own[0], &own[1]);
+        let field = BoundaryField::new(
+            &raised.mesh, &raised.space, &material(), &raised.displacement, &raised.traction, 1.0,
+        );
+        let inside = field.inside(x);
+        let exact = [inside.displacement[0], inside.displacement[1], inside.stress[0], inside.stress[1], inside.stress[2]];
+        let functionals = field.functionals_inside(x);
+        let size = exact.iter().fold(1.0f64, |m, v| m.max(v.abs()));
+        for (functional, exact) in functionals.iter().zip(exact) {
+            // far elements by rules in the one, by exact integrals in the other
+            prop_assert!((functional.of(&field) - exact).abs() < 1e-10 * size, "{} {exact}", functional.of(&field));
+            let by_functions = dot(&functional.enriched(&space), &own);
+            prop_assert!((by_functions - exact).abs() < 1e-10 * size, "{by_functions} {exact}");
+        }
+        let e = place % mesh.len();
+        let [a, b, c, d, xx, yy, xy] = weights[..] else { unreachable!("seven weights") };
+        let by = Trace { displacement: [a, b], traction: [c, d], stress: [xx, yy, xy] };
+        let mut functional = Functional::zero(mesh.len());
+        functional.add_trace(&field, (e, t), &by);
+        let of = field.trace(e, t);
+        let exact = a * of.displacement[0] + b * of.displacement[1] + c * of.traction[0] + d * of.traction[1]
+            + xx * of.stress[0] + yy * of.stress[1] + xy * of.stress[2];
+        let scale = 1.0 + of.stress.iter().fold(0.0f64, |m, s| m.max(s.abs()));
+        prop_assert!((functional.of(&field) - exact).abs() < 1e-12 * scale);
+        let by_functions = dot(&functional.enriched(&space), &own);
+        prop_assert!((by_functions - exact).abs() < 1e-12 * scale, "{by_functions} {exact}");
+    }
+}
+
+/// j·ψ₊ of an enriched displacement v is that of the right side on nodes and bubbles, and on the top tractions of ψ₊.
+#[test]
+fn the_dual_right_side_has_the_values_of_tractions() {
+    let outside = Polygon::outside(vec![Loop::circle([0.0, 0.0], 1.0, 4, "c")]).unwrap();
+    for (polygon, domain) in [(polygon(), Domain::Interior), (polygon(), Domain::Exterior), (outside, Domain::Interior)]
+    {
+        let mesh = Mesh::uniform(&polygon, 16, 2);
+        let space = Space::new(&mesh);
+        let mut cache = PairCache::default();
+        let operators = Operators::to_enrich(&mesh, &space, &material(), None, &mut cache).unwrap();
+        let length = operators.length;
+        let steklov = Steklov::new(operators, domain).unwrap();
+        let map = &steklov.traction;
+        let plus = EnrichedSteklov::new(&mesh, &space, &material(), length, map, &mut cache, true).unwrap();
+        let values: Vec<f64> = (0..211).map(|k| (1.3 * k as f64).sin()).collect();
+        let [v, j] = enriched(&mesh, &space, &values);
+        let traction = plus.traction(map, &v).unwrap();
+        let [nodes, bubbles, top] = plus.dual_of_traction(map, &j).unwrap();
+        let sign = if matches!(domain, Domain::Exterior) { -1.0 } else { 1.0 };
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let found = sum(&nodes, &v.base) + sum(&bubbles, &v.extra) + sign * sum(&top, &traction.extra);
+        let exact = j.dot(&traction);
+        assert!((found - exact).abs() < 1e-9 * (1.0 + exact.abs()), "{domain:?}: {found} {exact}");
+    }
+}

@@ -1,0 +1,166 @@
+//! Dual weighted residuals of quantities: how much of the error of each comes from where.
+//!
+//! ```text
+//! dual problem        S z = j_u + HᵀV⁻¹j_ψ  in the base space at the contact sets of u,    ζ = V⁻¹(Hz - j_ψ)
+//! two-level residual  η_e = ρ_u·[W_ee]⁻¹(j_u - Wz - Hᵀζ)_e + ρ_ψ·[V_ee]⁻¹(j_ψ - Hz + Vζ)_e,      ρ_ψ = (Hu - Vψ)_e
+//! ```
+//! Σ η_e is near J(u₊) - J(u), and may cross zero by accident; Σ |η_e| does not. A vertex that is off its end of contact by δ, where the
+//! opening is B d^(3/2) and that of z is A d^(1/2) beside it, changes J by (3π/32) E' A B δ², from dJ/dδ = -K_u K_z/E' of the half body.
+//!
+//! *Fails when* the bounds of friction depend on the pressure, as under Coulomb's law: the dual problem is another one. *Cost*: for each
+//! quantity one solution with the factors of S and two with those of V, N² each.
+//!
+//! Source: Becker and Rannacher (2001), section 3.
+
+use std::f64::consts::PI;
+
+use faer::Mat;
+use steklov_algebra::least_squares;
+use steklov_bem_operators::SAME_PLACE;
+use steklov_contact::TipFit;
+use steklov_elastic::plane::dot;
+
+use crate::data::on_mesh::OnMesh;
+use crate::estimate::contact_ends::ContactEnd;
+use crate::estimate::enriched_problem::System;
+use crate::estimate::functionals::LinearFunctional;
+use crate::solve::body::Body;
+use crate::solve::rotations::{orthonormal, project_off_basis};
+use crate::solve::solution::Solved;
+
+/// Terms of the opening of a dual solution beside an end of contact.
+const TERMS: usize = 3;
+
+/// The dual problems of quantities on the base space.
+pub(crate) struct Duals<'a> {
+    data: &'a OnMesh<'a>,
+    pub(crate) body: &'a Body,
+    pub(crate) system: &'a System<'a>,
+    /// W_ee of each bubble, with springs.
+    blocks: Vec<[[f64; 2]; 2]>,
+    /// ρ_u, two for each element.
+    residual: &'a [f64],
+    /// An orthonormal basis of the motions that nothing resists.
+    motions: Vec<Vec<f64>>,
+}
+
+impl<'a> Duals<'a> {
+    /// Those of a solved mesh with the residual ρ_u; `of_springs` are the blocks of springs on the bubbles.
+    pub(crate) fn new(
+        data: &'a OnMesh<'a>,
+        (solved, body): (&Solved, &'a Body),
+        system: &'a System<'a>,
+        of_springs: &[[[f64; 2]; 2]],
+        residual: &'a [f64],
+    ) -> Self {
+        let block = |(e, springs): (usize, &[[f64; 2]; 2])| {
+            let w = system.elastic.hypersingular_block(e);
+            [0, 1].map(|i| [0, 1].map(|j| w[i][j] + springs[i][j]))
+        };
+        let blocks = of_springs.iter().enumerate().map(block).collect();
+        let motions: Vec<Vec<f64>> = solved.free_motions.iter().map(|motion| motion.nodal(&body.points)).collect();
+        Self { data, body, system, blocks, residual, motions: orthonormal(&motions) }
+    }
+}
+
+/// The dual solution of a functional.
+struct Dual {
+    /// z, nodal values.
+    z: Vec<f64>,
+    /// The part of z that is free: z - w of a functional of forces.
+    free: Vec<f64>,
+    /// The loads on bubbles, and on the top tractions of pieces.
+    bubbles: Vec<f64>,
+    tops: Vec<(usize, Vec<f64>)>,
+}
+
+/// What the dual solution of a functional tells.
+pub(crate) struct Weighted {
+    /// Σ |η_e|.
+    pub(crate) sum: f64,
+    /// What J(u₊) lacks where u₊ leaves a residual: that times z.
+    pub(crate) of_rest: f64,
+    /// How much J changes by ends of contact that are not at their vertices.
+    pub(crate) of_ends: f64,
+}
+
+impl Duals<'_> {
+    /// Σ |η_e| of a functional, its value of the `rest` of the load that u₊ leaves, and the changes by ends of contact; None without tractions.
+    pub(crate) fn weighted(
+        &self,
+        functional: &LinearFunctional,
+        rest: &[f64],
+        ends: &[ContactEnd],
+    ) -> Option<Weighted> {
+        let dual = self.dual(functional)?;
+        let of_rest: f64 = dual.free.iter().zip(rest).map(|(z, r)| z * r).sum();
+        let of_rest = if functional.of_forces.is_empty() { of_rest } else { -of_rest };
+        let sum = self.residuals(&dual).iter().map(|eta| eta.abs()).sum();
+        let of_ends = ends.iter().map(|end| self.of_end(end, &dual.z)).sum();
+        Some(Weighted { sum, of_rest, of_ends })
+    }
+
+    fn dual(&self, functional: &LinearFunctional) -> Option<Dual> {
+        let mut load = self.system.elastic.zero();
+        let mut tops = Vec::new();
+        for (piece, of_field) in &functional.of_fields {
+            let assembled = &self.body.pieces[*piece];
+            let values = of_field.enriched(&assembled.piece.part.space);
+            let (own, top) = self.system.elastic.dual_load(*piece, &assembled.traction_map, &values)?;
+            load.add(1.0, &own);
+            tops.push((*piece, top));
+        }
+        // nodes of cuts are behind those of the boundary
+        let mut w = functional.of_forces.clone();
+        if !w.is_empty() {
+            w.resize(load.base.len(), 0.0);
+            load.base.iter_mut().zip(self.system.condensation.multiply(&w)).for_each(|(load, force)| *load -= force);
+        }
+        // displacements are without the motions that nothing resists
+        project_off_basis(&mut load.base, &self.motions);
+        let free = self.system.solve_base(&load.base);
+        let z = if w.is_empty() { free.clone() } else { free.iter().zip(&w).map(|(z, w)| z + w).collect() };
+        Some(Dual { z, free, bubbles: load.extra, tops })
+    }
+
+    /// |δJ| of an end of contact.
+    fn of_end(&self, end: &ContactEnd, z: &[f64]) -> f64 {
+        let (mesh, space) = (&self.body.mesh, &self.body.space);
+        let is_beside = |e: usize| {
+            let [a, b] = mesh.span[e].map(|s| f64::from(end.regular) * (s - end.s));
+            mesh.edge[e] == end.edge && a.min(b).abs() <= SAME_PLACE
+        };
+        let Some(e) = (0..mesh.len()).find(|&e| is_beside(e)) else { return 0.0 };
+        let [a, b] = mesh.span[e];
+        // d, and the opening of z there
+        let opening = |(node, t): (usize, &f64)| {
+            let d = (a + (b - a) * (1.0 + t) / 2.0 - end.s).abs();
+            (d > SAME_PLACE).then(|| (d, dot([z[2 * node], z[2 * node + 1]], mesh.normal(e, *t))))
+        };
+        let nodes: Vec<(f64, f64)> = space.element_nodes(e).zip(&space.basis(e).nodes).filter_map(opening).collect();
+        let terms = nodes.len().min(TERMS);
+        let matrix = Mat::from_fn(nodes.len(), terms, |i, j| nodes[i].0.powf(0.5 + j as f64));
+        let amplitude =
+            least_squares(matrix.as_ref(), Mat::from_fn(nodes.len(), 1, |i, _| nodes[i].1).as_ref())[(0, 0)];
+        let modulus = self.data.material_of(e).plane_modulus();
+        let TipFit { shift, curvature } = end.of_solution;
+        3.0 * PI / 32.0 * modulus * (amplitude * curvature).abs() * shift * shift
+    }
+
+    /// η_e of all elements.
+    fn residuals(&self, dual: &Dual) -> Vec<f64> {
+        let elements = self.blocks.len();
+        let (mut residual, of_tractions) = self.system.elastic.dual_residual(&dual.z, &dual.bubbles, &dual.tops);
+        let springs = self.system.springs;
+        if !springs.is_empty() {
+            let pull = springs.pull(self.system.space, elements, &dual.z).extra;
+            residual.iter_mut().zip(pull).for_each(|(r, pull)| *r -= pull);
+        }
+        let of_element = |e: usize| {
+            let at = |of: &[f64]| [of[2 * e], of[2 * e + 1]];
+            let x = self.system.frames[e].solve(self.blocks[e], at(&residual));
+            dot(at(self.residual), x) + of_tractions[e]
+        };
+        (0..elements).map(of_element).collect()
+    }
+}

@@ -1,0 +1,198 @@
+//! The quantities of a scene as linear functionals J(u, ψ), in the order of their values.
+//!
+//! A force or moment by balance is Σ w·(Su - f) over nodes: its dual solution is the displacement that is w where something holds the body.
+//! A length of contact has no functional here.
+
+use steklov_bem_operators::{Functional, Location, Trace};
+use steklov_contact::Tip;
+use steklov_elastic::plane::turned;
+use steklov_problem::{QuantityKind, Scene, Surfaces};
+
+use crate::answer::probes::invariants;
+use crate::contact_length::extracts_ends;
+use crate::data::on_mesh::OnMesh;
+use crate::estimate::contact_ends::ContactEnd;
+use crate::named::elements_at;
+use crate::quantities;
+use crate::solve::fields::Field;
+use crate::solve::solution::Solved;
+
+/// A linear functional of the solution of all bodies.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct LinearFunctional {
+    /// Of the fields of pieces: the number of the piece, and the functional.
+    pub(crate) of_fields: Vec<(usize, Functional)>,
+    /// w, two for each node; empty for none.
+    pub(crate) of_forces: Vec<f64>,
+}
+
+/// Step of differences of invariants, over the stress.
+const STEP: f64 = 1e-4;
+
+/// A trace of weights that are zero.
+const NOTHING: Trace = Trace { displacement: [0.0; 2], traction: [0.0; 2], stress: [0.0; 3] };
+
+impl LinearFunctional {
+    fn part(&mut self, field: &Field, piece: usize) -> &mut Functional {
+        let known = self.of_fields.iter().position(|(own, _)| *own == piece);
+        let k = known.unwrap_or_else(|| {
+            self.of_fields.push((piece, Functional::zero(field.of_piece(piece).elements())));
+            self.of_fields.len() - 1
+        });
+        &mut self.of_fields[k].1
+    }
+
+    /// Adds the trace at the reference coordinate t of element e, times these weights.
+    fn add(&mut self, field: &Field, (e, t): (usize, f64), by: &Trace) {
+        let (piece, local) = field.place(e);
+        self.part(field, piece).add_trace(field.of_piece(piece), (local, t), by);
+    }
+}
+
+impl OnMesh<'_> {
+    /// The functionals of all quantities, for fields of the degrees of `field`, without one those of forces alone; None for those that have
+    /// none.
+    pub(crate) fn functionals(&self, solved: &Solved, field: Option<&Field>) -> Vec<Option<LinearFunctional>> {
+        let scene = self.scene;
+        let along = |i: usize| [0, 1].map(|k| f64::from(u8::from(i == k)));
+        let forces = quantities::forces(scene, &solved.reactions);
+        let forces = forces.flat_map(|(_, side)| [0, 1].map(|i| Some(self.of_forces(side, |_| along(i)))));
+        let Some(field) = field else { return forces.collect() };
+        let mut all: Vec<Option<LinearFunctional>> = Vec::new();
+        scene.probe.iter().for_each(|&x| all.extend(self.at_point(solved, field, x).map(Some)));
+        all.extend(forces);
+        for quantity in &scene.quantities {
+            match quantity.kind {
+                QuantityKind::PressureAt(x) => all.push(self.of_pressure(field, x)),
+                QuantityKind::MeanDisplacement(side) => all.extend(self.of_mean(field, side).map(Some)),
+                QuantityKind::Moment { side, about } if self.is_balanced(side) => {
+                    all.push(Some(self.of_forces(side, |x| turned([x[0] - about[0], x[1] - about[1]]))));
+                }
+                QuantityKind::Moment { .. } => all.push(None),
+                QuantityKind::OpeningAt(x) => all.push(self.of_opening(field, x)),
+            }
+        }
+        all.extend(extracts_ends(scene).then_some(None));
+        all
+    }
+
+    /// Displacement, stress and the slopes of its invariants at a point.
+    fn at_point(&self, solved: &Solved, field: &Field, x: [f64; 2]) -> [LinearFunctional; 8] {
+        let outline = &self.scene.problem.outline;
+        let of_invariants = self.slopes_of_invariants(x, solved.probe(self.scene, x).stress);
+        // weights of displacement and stress
+        let weights: [[f64; 5]; 8] = std::array::from_fn(|k| {
+            let of_stress = of_invariants.get(k.wrapping_sub(5)).copied().unwrap_or_default();
+            std::array::from_fn(|i| {
+                if k < 5 {
+                    f64::from(u8::from(i == k))
+                } else if i < 2 {
+                    0.0
+                } else {
+                    of_stress[i - 2]
+                }
+            })
+        });
+        let mut all = [(); 8].map(|()| LinearFunctional::default());
+        if let Location::Boundary { edge, s } = outline.contains(x) {
+            let at = elements_at(self.mesh, edge, s);
+            for (functional, weights) in all.iter_mut().zip(&weights) {
+                let [u, v, xx, yy, xy] = weights.map(|w| w / at.len() as f64);
+                let by = Trace { displacement: [u, v], stress: [xx, yy, xy], ..NOTHING };
+                at.iter().for_each(|&place| functional.add(field, place, &by));
+            }
+            return all;
+        }
+        let piece = field.piece_at(outline.body_at(x).unwrap_or(0), x);
+        let own = field.of_piece(piece).functionals_inside(x);
+        for (functional, weights) in all.iter_mut().zip(&weights) {
+            functional.of_fields.push((piece, Functional::sum(&own, weights)));
+        }
+        all
+    }
+
+    /// The derivatives of the invariants of a stress at a point by its components.
+    fn slopes_of_invariants(&self, x: [f64; 2], stress: [f64; 3]) -> [[f64; 3]; 3] {
+        let step = STEP * stress.iter().fold(f64::MIN_POSITIVE, |m: f64, s| m.max(s.abs()));
+        let mut slopes = [[0.0; 3]; 3];
+        for i in 0..3 {
+            let moved = |by: f64| {
+                let mut stress = stress;
+                stress[i] += by;
+                invariants(self.scene, x, stress)
+            };
+            let (up, down) = (moved(step), moved(-step));
+            (0..3).for_each(|k| slopes[k][i] = (up[k] - down[k]) / (2.0 * step));
+        }
+        slopes
+    }
+
+    /// Σ w·R over the nodes of a side, in the components in which it reacts.
+    fn of_forces(&self, side: usize, w: impl Fn([f64; 2]) -> [f64; 2]) -> LinearFunctional {
+        let reacts = quantities::reacting(self.scene, side);
+        let mut of_forces = vec![0.0; self.space.dofs()];
+        for node in self.nodes_of(side) {
+            let w = w(self.space.points[node]);
+            (0..2).filter(|&i| reacts[i]).for_each(|i| of_forces[2 * node + i] = w[i]);
+        }
+        LinearFunctional { of_forces, ..LinearFunctional::default() }
+    }
+
+    fn of_pressure(&self, field: &Field, x: [f64; 2]) -> Option<LinearFunctional> {
+        let (edge, s) = self.scene.problem.pressed_at(x).ok()?;
+        let at = elements_at(self.mesh, edge, s);
+        let mut functional = LinearFunctional::default();
+        for &(e, t) in &at {
+            let traction = self.mesh.normal(e, t).map(|n| -n / at.len() as f64);
+            functional.add(field, (e, t), &Trace { traction, ..NOTHING });
+        }
+        Some(functional)
+    }
+
+    fn of_mean(&self, field: &Field, side: usize) -> [LinearFunctional; 2] {
+        let mut both = [(); 2].map(|()| LinearFunctional::default());
+        let length: f64 = self.elements_of(side).map(|e| self.mesh.length(e)).sum();
+        for e in self.elements_of(side) {
+            self.integrate(e, |t, ds| {
+                for (i, functional) in both.iter_mut().enumerate() {
+                    let mut by = NOTHING;
+                    by.displacement[i] = ds / length;
+                    functional.add(field, (e, t), &by);
+                }
+            });
+        }
+        both
+    }
+
+    fn of_opening(&self, field: &Field, x: [f64; 2]) -> Option<LinearFunctional> {
+        let mut functional = LinearFunctional::default();
+        let mut add = |(edge, s): (usize, f64), displacement: [f64; 2]| {
+            let at = elements_at(self.mesh, edge, s);
+            let displacement = displacement.map(|d| d / at.len() as f64);
+            at.iter().for_each(|&at| functional.add(field, at, &Trace { displacement, ..NOTHING }));
+        };
+        match self.scene.problem.surfaces_at(x)? {
+            Surfaces::Faces([a, b]) => {
+                let n = self.scene.problem.outline.edges()[a.0].normal(a.1);
+                add(b, n);
+                add(a, n.map(|n| -n));
+            }
+            Surfaces::Contact(edge, s) => {
+                let &(e, t) = elements_at(self.mesh, edge, s).first()?;
+                let d = self.direction(e, t);
+                add((edge, s), d.map(|d| -d));
+                if let Some(seen) = self.seen(e, t) {
+                    add((seen.edge, seen.s), d);
+                }
+            }
+        }
+        Some(functional)
+    }
+}
+
+/// Whether the dual problems at frozen contact sets tell the errors: not under Coulomb's law, and where all transitions are ends of contact
+/// that were extracted.
+pub(crate) fn has_duals(scene: &Scene, tips: &[Tip], ends: &[ContactEnd]) -> bool {
+    let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
+    !coulomb && ends.len() == tips.len()
+}
