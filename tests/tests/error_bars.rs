@@ -118,7 +118,7 @@ fn forces_are_inside_their_bars() {
         "at least half of the error in {half} of {count}, all of it in {inside}, more than ten times it in {wide}"
     );
     println!("{told}");
-    assert!(100 * half >= 97 * count && 10 * inside >= 7 * count && 20 * wide <= count, "{told}");
+    assert!(100 * half >= 97 * count && 10 * inside >= 8 * count && 7 * wide <= count, "{told}");
 }
 
 /// Where the answer is exact the bar is that of rounding, and nothing is in doubt.
@@ -172,7 +172,7 @@ fn numbers_of_coarse_solutions_are_inside_their_bars() {
         }
     }
     println!("{half} of {count}");
-    assert!(count == 50 && 10 * half >= 9 * count, "{half} of {count}");
+    assert!(count == 80 && 10 * half >= 9 * count, "{half} of {count}");
 }
 
 /// Wall and floor meet at a corner, whose part along the wall's normal is friction of the floor or force of the wall: no mesh knows.
@@ -295,5 +295,18 @@ fn invariants_of_stress_are_inside_their_bars() {
             assert_eq!(probe.von_mises, Some(quantity(&summary, &format!("probe.{k}.von_mises")).value));
             assert_eq!(probe.max_principal.zip(probe.min_principal).map(|(a, b)| a >= b), Some(true));
         }
+    }
+}
+
+/// At a jump of the pressure of a side the stress has two values, and what the mesh makes of them is in doubt.
+#[test]
+fn stresses_where_data_jump_are_in_doubt() {
+    let text = "body = { corners = [[0, 0], [3, 0], [3, 0.5], [0, 0.5]], sides = [\"f\", \"r\", \"t\", \"l\"] }\n\
+                material = { young = 100, poisson = 0.3 }\nsides.f.displacement = [0, 0]\n\
+                sides.t.traction = [\"0\", \"if(x<2,-1,-0.2)\"]\nprobe.points = [[2, 0.5], [1, 0.5]]\nmethod.tolerance = 1e-3\n";
+    let summary = solved(&parse(text, &[]).unwrap());
+    for name in ["stress.yy", "von_mises", "min_principal"] {
+        assert_eq!(quantity(&summary, &format!("probe.0.{name}")).doubts, ["coarse"], "{name}");
+        assert!(quantity(&summary, &format!("probe.1.{name}")).doubts.is_empty(), "{name}");
     }
 }

@@ -36,6 +36,6 @@ fn bars_of_scenes_are_near_their_errors() {
     println!("without doubts {plain:?}\nin doubt {doubted:?}");
     assert!(plain.count > 200 && plain.least >= 0.1, "{plain:?}");
     assert!(plain.above[0] >= 0.97 && plain.above[1] >= 0.99, "{plain:?}");
-    assert!(plain.below[0] >= 0.75 && plain.below[1] >= 0.9, "{plain:?}");
-    assert!(doubted.above[1] >= 0.98, "{doubted:?}");
+    assert!(plain.below[0] >= 0.65 && plain.below[1] >= 0.9, "{plain:?}");
+    assert!(doubted.above[1] >= 0.95, "{doubted:?}");
 }

@@ -23,6 +23,7 @@ use steklov_bem_operators::{Edge, Location, SAME_PLACE};
 use steklov_elastic::plane::distance;
 use steklov_problem::{Condition, Friction, Multiplier, NamedQuantity, QuantityKind, Scene};
 
+use crate::answer::data_jumps::kinks;
 use crate::answer::probes::invariants;
 use crate::answer::wedges::is_straight;
 use crate::contact_length::extracts_ends;
@@ -293,15 +294,15 @@ fn weighted_energy(estimate: &Estimate) -> f64 {
     estimate.indicators.iter().chain(&estimate.of_cuts).map(of).sum()
 }
 
-/// Whether a point is a corner of the outline, or between two of its sides.
+/// Whether a point is a corner of the outline, between two of its sides, or where data of its side jump or have a kink.
 fn is_corner(scene: &Scene, x: [f64; 2]) -> bool {
     let outline = &scene.problem.outline;
     let Location::Boundary { edge, s } = outline.contains(x) else { return false };
     let at_end = s >= 1.0 - SAME_PLACE;
-    if !at_end && s > SAME_PLACE {
-        return false;
-    }
     let edges = outline.edges();
+    if !at_end && s > SAME_PLACE {
+        return kinks(scene, &edges[edge]).iter().any(|kink| (kink - s).abs() <= SAME_PLACE);
+    }
     let (other, _) = outline.neighbour(edge, at_end);
     // forward along the loop
     let before = at_end == edges[edge].reversed;

@@ -6,7 +6,7 @@
 use steklov_bem_operators::{Functional, Location, Trace};
 use steklov_contact::Tip;
 use steklov_elastic::plane::turned;
-use steklov_problem::{QuantityKind, Scene, Surfaces};
+use steklov_problem::{Friction, QuantityKind, Scene, Surfaces};
 
 use crate::answer::probes::invariants;
 use crate::contact_length::extracts_ends;
@@ -59,7 +59,12 @@ impl OnMesh<'_> {
         let forces = forces.flat_map(|(_, side)| [0, 1].map(|i| Some(self.of_forces(side, |_| along(i)))));
         let Some(field) = field else { return forces.collect() };
         let mut all: Vec<Option<LinearFunctional>> = Vec::new();
-        scene.probe.iter().for_each(|&x| all.extend(self.at_point(solved, field, x).map(Some)));
+        // where a side touches, its displacement is the gap, of which the spaces see polynomials alone
+        let touches = |x| matches!(scene.problem.outline.contains(x), Location::Boundary { edge, .. } if scene.problem.contact(scene.problem.outline.edges()[edge].side).is_some());
+        for &x in &scene.probe {
+            let of_point = self.at_point(solved, field, x);
+            all.extend(of_point.map(|functional| Some(functional).filter(|_| !touches(x))));
+        }
         all.extend(forces);
         for quantity in &scene.quantities {
             match quantity.kind {
@@ -190,9 +195,9 @@ impl OnMesh<'_> {
     }
 }
 
-/// Whether the dual problems at frozen contact sets tell the errors: not under Coulomb's law, and where all transitions are ends of contact
-/// that were extracted.
+/// Whether the dual problems at frozen contact sets tell the errors: without friction, whose ends of stick change them, and where all ends of
+/// contact were extracted.
 pub(crate) fn has_duals(scene: &Scene, tips: &[Tip], ends: &[ContactEnd]) -> bool {
-    let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
-    !coulomb && ends.len() == tips.len()
+    let smooth = scene.contacts().all(|(_, contact)| matches!(contact.friction, Friction::None));
+    smooth && ends.len() == tips.len()
 }
