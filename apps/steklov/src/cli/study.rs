@@ -96,10 +96,7 @@ fn check_options(args: &StudyArgs) -> Result<(), Failure> {
         (args.beside.is_some() && args.what != StudyKind::Stability, "--beside belongs to --what stability"),
         (is_other && !args.steps.is_empty(), "--steps belongs to --what convergence"),
         (is_other && !args.multipliers.is_empty(), "--multipliers belongs to --what convergence"),
-        (
-            is_other && !args.strategies.is_empty(),
-            "--strategies belongs to --what convergence: the others are studied on uniform meshes",
-        ),
+        (is_other && !args.strategies.is_empty(), "--strategies belongs to --what convergence"),
     ];
     let first = misplaced.iter().find(|(is_misplaced, _)| *is_misplaced);
     first.map_or(Ok(()), |(_, message)| Err(Failure(format!("error: {message}"))))

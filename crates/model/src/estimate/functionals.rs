@@ -59,11 +59,9 @@ impl OnMesh<'_> {
         let forces = forces.flat_map(|(_, side)| [0, 1].map(|i| Some(self.of_forces(side, |_| along(i)))));
         let Some(field) = field else { return forces.collect() };
         let mut all: Vec<Option<LinearFunctional>> = Vec::new();
-        // where a side touches, its displacement is the gap, of which the spaces see polynomials alone
-        let touches = |x| matches!(scene.problem.outline.contains(x), Location::Boundary { edge, .. } if scene.problem.contact(scene.problem.outline.edges()[edge].side).is_some());
         for &x in &scene.probe {
             let of_point = self.at_point(solved, field, x);
-            all.extend(of_point.map(|functional| Some(functional).filter(|_| !touches(x))));
+            all.extend(of_point.map(|functional| Some(functional).filter(|_| !self.touches(x))));
         }
         all.extend(forces);
         for quantity in &scene.quantities {
@@ -81,23 +79,24 @@ impl OnMesh<'_> {
         all
     }
 
+    /// Whether a point is on a side in contact: its displacement is the gap there, of which the spaces see polynomials alone.
+    fn touches(&self, x: [f64; 2]) -> bool {
+        let problem = &self.scene.problem;
+        match problem.outline.contains(x) {
+            Location::Boundary { edge, .. } => problem.contact(problem.outline.edges()[edge].side).is_some(),
+            _ => false,
+        }
+    }
+
     /// Displacement, stress and the slopes of its invariants at a point.
     fn at_point(&self, solved: &Solved, field: &Field, x: [f64; 2]) -> [LinearFunctional; 8] {
         let outline = &self.scene.problem.outline;
         let of_invariants = self.slopes_of_invariants(x, solved.probe(self.scene, x).stress);
         // weights of displacement and stress
-        let weights: [[f64; 5]; 8] = std::array::from_fn(|k| {
-            let of_stress = of_invariants.get(k.wrapping_sub(5)).copied().unwrap_or_default();
-            std::array::from_fn(|i| {
-                if k < 5 {
-                    f64::from(u8::from(i == k))
-                } else if i < 2 {
-                    0.0
-                } else {
-                    of_stress[i - 2]
-                }
-            })
-        });
+        let unit = |k: usize| std::array::from_fn(|i| f64::from(u8::from(i == k)));
+        let of_stress = |[xx, yy, xy]: [f64; 3]| [0.0, 0.0, xx, yy, xy];
+        let weights: [[f64; 5]; 8] =
+            std::array::from_fn(|k| if k < 5 { unit(k) } else { of_stress(of_invariants[k - 5]) });
         let mut all = [(); 8].map(|()| LinearFunctional::default());
         if let Location::Boundary { edge, s } = outline.contains(x) {
             let at = elements_at(self.mesh, edge, s);
