@@ -93,3 +93,15 @@ fn what_has_no_bars_at_steps_is_refused() {
     let ran = place.run(["study", "random.toml", "--what", "quantities"]).demand(1);
     assert!(ran.err.contains("random input") && ran.err.contains("--what stochastic"), "{}", ran.err);
 }
+
+/// Where nothing presses every number is exact, and the study says why it has no ratios.
+#[test]
+fn an_exact_answer_leaves_nothing_to_judge() {
+    let place = Place::new();
+    place.write("waves.toml", WAVES);
+    let nothing = ["study", "waves.toml", "--what", "quantities", "--quiet", "--set", "sides.top.pressure=0"];
+    let ran = place.run(nothing).demand(0);
+    assert!(ran.out.contains("there is nothing to judge"), "{}", ran.out);
+    let ran = place.run(["study", "waves.toml", "--what", "quantities", "--quiet", "--out", "pressed"]).demand(0);
+    assert!(!ran.out.contains("there is nothing to judge"), "{}", ran.out);
+}

@@ -60,8 +60,10 @@ impl OnMesh<'_> {
         let Some(field) = field else { return forces.collect() };
         let mut all: Vec<Option<LinearFunctional>> = Vec::new();
         for &x in &scene.probe {
-            let of_point = self.at_point(solved, field, x);
-            all.extend(of_point.map(|functional| Some(functional).filter(|_| !self.touches(x))));
+            match self.touches(x) {
+                true => all.extend([const { None }; 8]),
+                false => all.extend(self.at_point(solved, field, x).map(Some)),
+            }
         }
         all.extend(forces);
         for quantity in &scene.quantities {

@@ -86,8 +86,9 @@ pub fn check(scene: &Scene) -> Result<(), DataError> {
 /// Runs the reference, and the scene step by step.
 ///
 /// # Errors
-/// Those of the reference, and of the first step; an error of a later step is kept.
+/// Those of [`check`], of the reference, and of the first step; an error of a later step is kept.
 pub fn study<'a>(scene: &'a Scene, source: &'a Source, watch: &mut Watch<'_>) -> Result<QuantityStudy<'a>, StudyError> {
+    check(scene)?;
     let reference = reference(scene, watch)?;
     let mut steps = Vec::new();
     let told = each_step(scene, watch, &mut |summary| steps.push(summary));

@@ -125,6 +125,9 @@ fn body(study: &QuantityStudy<'_>) -> String {
     let Some(estimate) = study.reference.estimate_relative else { return text };
     let _ = writeln!(text, "reference   {} dofs, estimated error {estimate:.1e}\n", study.reference.dofs);
     let groups = groups(study);
+    if groups[..2].iter().all(|(_, shares)| shares.count == 0) {
+        text += "no error is above 20 bars of the reference and 1e-9 of its value: there is nothing to judge\n\n";
+    }
     let widest = |names: &mut dyn Iterator<Item = usize>| names.fold(26, usize::max);
     let width = widest(&mut groups.iter().map(|(name, _)| name.chars().count()));
     heads(&mut text, ("uncertainty over true error", width), &SHOWN);
