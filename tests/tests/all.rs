@@ -21,6 +21,7 @@ mod edges;
 mod error_bars;
 mod estimators;
 mod followed_fields;
+mod grid_bars;
 mod grid_contact;
 mod grid_identities;
 mod grid_limits;

@@ -53,7 +53,7 @@ fn ends_of_contact_are_known_to_ten_digits() {
     for a in [0.1, 0.25, 0.4] {
         for tolerance in ["1e-2", "1e-3", "1e-4", "1e-5", "1e-6"] {
             let summary = solved(&wave([0.0, 0.5], a, (0.0, false), &format!("method.tolerance = {tolerance}\n")));
-            let Quantity { value, uncertainty, doubts } = length(&summary);
+            let Quantity { value, uncertainty, doubts, .. } = length(&summary);
             let error = (value - a).abs();
             println!("{a} {tolerance}, {} dofs: {value} ± {uncertainty:.1e}, off by {error:.1e}", summary.dofs);
             assert!(error <= *uncertainty && doubts.is_empty(), "{a} at {tolerance}: {error:e} and {uncertainty:e}");
@@ -96,7 +96,7 @@ fn contact_all_along_a_side_is_exact() {
         solved(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
     };
     let summary = block("");
-    let Quantity { value, uncertainty, doubts } = length(&summary);
+    let Quantity { value, uncertainty, doubts, .. } = length(&summary);
     assert!((value - 1.0).abs() < 1e-12 && *uncertainty < 1e-10 && doubts.is_empty(), "{value} ± {uncertainty}");
     assert!(!block(", friction = { coulomb = 0.1 }").quantities.contains_key("contact.length"));
 }

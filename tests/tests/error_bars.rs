@@ -36,7 +36,7 @@ fn numbers_of_westergaards_wave_are_inside_their_bars() {
     for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
         let summary = solved(&westergaard(tolerance));
         for ((path, exact), widest) in known.iter().zip(&mut widest) {
-            let Quantity { value, uncertainty, doubts } = quantity(&summary, path);
+            let Quantity { value, uncertainty, doubts, .. } = quantity(&summary, path);
             let error = (value - exact).abs();
             println!("{tolerance:e} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
             assert!(error <= 2.0 * uncertainty, "{path} at {tolerance:e}: {error:e} and {uncertainty:e}");
@@ -102,7 +102,7 @@ fn forces_are_inside_their_bars() {
             let settings: Vec<&str> = changes.iter().copied().chain([tolerance.as_str(), "expect={}"]).collect();
             let summary = solved(&scene(name, &settings));
             for (path, exact) in known {
-                let Quantity { value, uncertainty, doubts } = quantity(&summary, path);
+                let Quantity { value, uncertainty, doubts, .. } = quantity(&summary, path);
                 let error = (value - exact).abs();
                 println!("{name} {tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
                 assert!(error <= 2.5 * uncertainty + 1e-8, "{path} at {tolerance}: {error:e} and {uncertainty:e}");

@@ -29,6 +29,7 @@ use crate::answer::wedges::is_straight;
 use crate::contact_length::extracts_ends;
 use crate::doubt::Doubt;
 use crate::estimate::error_estimate::{Bubble, Estimate};
+use crate::grid::{GridEstimate, GridQuantity, GridSolved};
 use crate::named::components;
 use crate::solve::contact_rows::{ContactRow, TOUCHING};
 use crate::solve::fields::ElasticField;
@@ -66,6 +67,9 @@ pub struct Quantity {
     pub uncertainty: f64,
     /// Why the uncertainty is not to be trusted, words of [`crate::doubt::Doubt`]; empty if it is.
     pub doubts: Vec<String>,
+    /// Its parts by their names, whose sum it is; empty where it has one only.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parts: BTreeMap<String, f64>,
 }
 
 /// A quantity on a mesh.
@@ -211,7 +215,16 @@ pub struct Bars {
     sizes: [f64; 4],
     /// ½ Σ |η_e| of J, of an estimate without doubts, above rounding errors, where J is stationary.
     of_energy: Option<f64>,
+    /// On a grid the parts of each uncertainty: that of the fine grid and that of its coarse cells.
+    parts: Vec<[f64; 2]>,
+    /// The points at which moduli jump.
+    at_jumps: Vec<usize>,
+    /// Rounding errors of a value, over the largest of its kind.
+    rounded: f64,
 }
+
+/// The names of the parts on a grid.
+const ON_GRID: [&str; 2] = ["fine_grid", "multiscale"];
 
 impl Bars {
     /// The values of the last of these steps.
@@ -259,14 +272,42 @@ impl Bars {
             [if is_pressure { enriched } else { value }, uncertainty]
         };
         let values = last.quantities.iter().enumerate().map(of).collect();
-        // energy² E = force², energy² / E = length²
-        let modulus = scene.problem.bodies.iter().map(|body| body.material().young).fold(0.0, f64::max);
-        let (force, diameter) = (last.scale * modulus.sqrt(), scene.problem.outline.diameter());
-        let sizes = [force / modulus, force / diameter, force, force * diameter];
+        let sizes = sizes(scene, last.scale);
         let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
         let is_plain = last.doubts.is_empty() && last.relative > ENERGY_ROUNDED && !coulomb;
         let of_energy = is_plain.then(|| OF_WEIGHTED * weighted_energy(last));
-        let mut all = Self { entries, values, sizes, of_energy };
+        let mut all = Self { entries, values, sizes, of_energy, rounded: ROUNDED, ..Self::default() };
+        for k in 0..all.values.len() {
+            all.values[k][1] = all.values[k][1].max(all.rounding(k));
+        }
+        all
+    }
+
+    /// The values of the last of these steps on grids.
+    pub(crate) fn on_grid(scene: &Scene, solved: &GridSolved, estimates: &[&GridEstimate]) -> Self {
+        let Some((last, before)) = estimates.split_last() else { return Self::default() };
+        let entries = entries(scene, &solved.reactions);
+        if last.quantities.len() != entries.len() {
+            return Self::default();
+        }
+        let before = before.last().filter(|before| before.quantities.len() == last.quantities.len());
+        // how the squares have fallen
+        let fallen = |now: f64, then: f64| if then > 0.0 { (now / then).min(1.0) } else { 1.0 };
+        let of = |(k, own): (usize, &GridQuantity)| {
+            let mut parts = [own.fine_grid, own.multiscale];
+            if let Some(before) = before {
+                let then = before.quantities[k];
+                parts[0] = parts[0].max(fallen(last.fine_grid, before.fine_grid) * then.fine_grid);
+                parts[1] = parts[1].max(fallen(last.multiscale, before.multiscale) * then.multiscale);
+            }
+            parts.map(|part| OF_DIFFERENCE * part)
+        };
+        let parts: Vec<[f64; 2]> = last.quantities.iter().enumerate().map(of).collect();
+        let values = last.quantities.iter().zip(&parts).map(|(own, parts)| [own.value, parts.iter().sum()]).collect();
+        let scale = if last.relative > 0.0 { last.error / last.relative } else { 0.0 };
+        let at_jumps = solved.at_jumps(&scene.probe);
+        let rounded = solved.digits().max(ROUNDED);
+        let mut all = Self { entries, values, sizes: sizes(scene, scale), of_energy: None, parts, at_jumps, rounded };
         for k in 0..all.values.len() {
             all.values[k][1] = all.values[k][1].max(all.rounding(k));
         }
@@ -278,7 +319,7 @@ impl Bars {
         let own = self.entries[k].kind;
         let of_kind = self.entries.iter().zip(&self.values).filter(|(entry, _)| entry.kind == own);
         let sizes = of_kind.map(|(_, [value, _])| value.abs());
-        ROUNDED * sizes.filter(|size| size.is_finite()).fold(self.sizes[own as usize], f64::max)
+        self.rounded * sizes.filter(|size| size.is_finite()).fold(self.sizes[own as usize], f64::max)
     }
 
     /// Gives the named quantities their values, which are those of the enriched spaces for some of them.
@@ -286,6 +327,14 @@ impl Bars {
         let own = self.entries.iter().zip(&self.values).filter(|(entry, _)| matches!(entry.of, Of::Named(_)));
         named.iter_mut().zip(own).for_each(|(told, (_, [value, _]))| *told = *value);
     }
+}
+
+/// Displacement, stress, force and moment of a solution with this energy norm.
+fn sizes(scene: &Scene, norm: f64) -> [f64; 4] {
+    // energy² E = force², energy² / E = length²
+    let modulus = scene.problem.bodies.iter().map(|body| body.material().young).fold(0.0, f64::max);
+    let (force, diameter) = (norm * modulus.sqrt(), scene.problem.outline.diameter());
+    [force / modulus, force / diameter, force, force * diameter]
 }
 
 /// Σ |η_e| of J, whose dual solution is u itself: the residuals of displacement and traction have opposite signs.
@@ -353,7 +402,8 @@ pub(crate) struct Told<'a> {
 
 /// J and the values with error bars by their paths; stresses that are infinite are left out, and what two sides share at a corner.
 pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantities {
-    let with = |value, uncertainty| Quantity { value, uncertainty, doubts: told.doubts.to_vec() };
+    let with =
+        |value, uncertainty| Quantity { value, uncertainty, doubts: told.doubts.to_vec(), parts: BTreeMap::new() };
     let doubt = |quantity: &mut Quantity, doubt: Doubt| {
         let is_new = !quantity.doubts.iter().any(|word| word == doubt.word());
         quantity.doubts.extend(is_new.then(|| doubt.word().to_owned()));
@@ -369,6 +419,9 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
     let first = all.entries.iter().position(|entry| matches!(entry.of, Of::Named(_))).unwrap_or(0);
     for (k, (entry, &[value, uncertainty])) in all.entries.iter().zip(&all.values).enumerate() {
         let mut quantity = with(value, uncertainty);
+        if let Some(parts) = all.parts.get(k) {
+            quantity.parts = ON_GRID.iter().zip(parts).map(|(name, &part)| ((*name).to_owned(), part)).collect();
+        }
         match entry.of {
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {
                 Some([length, of_vertices]) => quantity = with(length, uncertainty + of_vertices),
@@ -380,9 +433,11 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                 if is_stress && stress_unbounded {
                     continue;
                 }
-                let is_weak = if is_stress { is_corner(scene, x) } else { stress_unbounded };
+                let is_weak =
+                    if is_stress { is_corner(scene, x) || all.at_jumps.contains(&point) } else { stress_unbounded };
                 if is_weak && uncertainty > SMALL * all.rounding(k) {
                     quantity.uncertainty *= OF_CORNER;
+                    quantity.parts.values_mut().for_each(|part| *part *= OF_CORNER);
                     doubt(&mut quantity, Doubt::Coarse);
                 }
             }

@@ -171,6 +171,23 @@ impl Elimination {
         field
     }
 
+    /// The fields of several loads and values of the held unknowns, where none is kept: one pass over the factor for all of them.
+    pub fn fields(&self, loads: &[Vec<f64>], held: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let reduced: Vec<ReducedLoad> = loads.iter().zip(held).map(|(load, held)| self.reduce(load, held)).collect();
+        let n = self.free.len();
+        let mut rows: Vec<f64> = reduced.iter().flat_map(|r| r.rows.iter().copied()).collect();
+        if let Some(factor) = &self.factor {
+            factor.solve(MatMut::from_column_major_slice_mut(&mut rows, n, loads.len()), self.par);
+        }
+        let field = |(k, reduced): (usize, &ReducedLoad)| {
+            let mut field = vec![0.0; self.stiffness.rows()];
+            self.free.iter().zip(&rows[k * n..]).for_each(|(&unknown, u)| field[unknown] = *u);
+            self.held.iter().zip(&reduced.held).for_each(|(&unknown, u)| field[unknown] = *u);
+            field
+        };
+        reduced.iter().enumerate().map(field).collect()
+    }
+
     /// S' x = L₂₂ L₂₂ᵀ x.
     fn shifted(&self, x: &[f64]) -> Vec<f64> {
         let n = x.len();

@@ -26,6 +26,7 @@
 //! | solution, supports, reduction to few unknowns | [`Elimination`] |
 //! | the multiscale error | [`nodal_indicators`], [`Indicators`] |
 //! | the error of the fine grid itself | [`bubble_indicators`] |
+//! | that of numbers, and what coarse cells lack of the fine grid | [`bubble_weighted_residuals`], [`fine_correction`] |
 //! | where multiscale bases fail | [`crossing_contrast`] |
 //! | smaller coarse cells | [`mark`], [`refine`] |
 //!
@@ -84,6 +85,7 @@ mod patterns;
 mod prolongation;
 mod elimination;
 mod indicators;
+mod fine_correction;
 mod fine_error;
 mod refinement;
 mod contrast;
@@ -98,7 +100,8 @@ pub use contrast::{CrossingContrast, crossing_contrast};
 pub use elasticity::Elasticity;
 pub use elimination::{Elimination, ReducedLoad};
 pub use error::MsfemError;
-pub use fine_error::bubble_indicators;
+pub use fine_correction::fine_correction;
+pub use fine_error::{BubbleResidual, bubble_indicators, bubble_values, bubble_weighted_residuals};
 pub use grid::Grid;
 pub use indicators::{Indicators, SideTraction, nodal_indicators};
 pub use load::Loads;

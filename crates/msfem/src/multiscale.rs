@@ -227,6 +227,34 @@ impl<'a> Multiscale<'a> {
         Ok(CoarseSystem { stiffness: entries.to_csr(), load })
     }
 
+    /// The load alone of a coarse problem that [`Self::assemble`] has the bases of.
+    ///
+    /// # Errors
+    /// As [`Self::cell_basis`].
+    pub fn load(&self, loads: &Loads, extra: &Extra) -> Result<Vec<f64>, MsfemError> {
+        let pattern = self.pattern_of_cells();
+        let acts = |&cell: &usize| {
+            let lifted = |node: usize| extra.lift[2 * node..2 * node + 2] != [0.0; 2];
+            self.is_loaded(cell, loads)
+                || !extra.lift.is_empty() && self.mesh.cells[cell].fine_nodes(&self.body.grid).any(lifted)
+        };
+        let cells: Vec<usize> = (0..self.mesh.cells.len()).filter(acts).collect();
+        let of_cell = |&cell: &usize| match self.kept.get(pattern[cell]) {
+            Some(Some(basis)) => self.cell_load(cell, basis, loads, extra),
+            _ => self.cell_load(cell, &self.cell_basis(cell)?, loads, extra),
+        };
+        let of_cells: Vec<[f64; 8]> = cells.par_iter().map(of_cell).collect::<Result<_, _>>()?;
+        let mut load = vec![0.0; self.dofs()];
+        for (cell, own) in cells.into_iter().zip(of_cells) {
+            for a in 0..8 {
+                for &(i, weight) in &self.combinations[self.mesh.corners[cell][a / 2]][a % 2] {
+                    load[i] += weight * own[a];
+                }
+            }
+        }
+        Ok(load)
+    }
+
     /// K_T^H and the load of one cell.
     fn cell_system(
         &self,
@@ -236,6 +264,12 @@ impl<'a> Multiscale<'a> {
         loads: &Loads,
         extra: &Extra,
     ) -> Result<CellSystem, MsfemError> {
+        let load = self.cell_load(cell, basis, loads, extra)?;
+        Ok(CellSystem { cell, stiffness: basis.stiffness.map(|row| row.map(|k| factor * k)), load })
+    }
+
+    /// R_Tᵀ (f_T - K_T p_T).
+    fn cell_load(&self, cell: usize, basis: &CellBasis, loads: &Loads, extra: &Extra) -> Result<[f64; 8], MsfemError> {
         let mut load = [0.0; 8];
         let coarse = self.mesh.cells[cell];
         let mut add = |local: usize, force: &[f64; 8]| {
@@ -256,7 +290,7 @@ impl<'a> Multiscale<'a> {
                 add(local, &self.body.cell_forces(fine, &u).map(|f| -f));
             }
         }
-        Ok(CellSystem { cell, stiffness: basis.stiffness.map(|row| row.map(|k| factor * k)), load })
+        Ok(load)
     }
 
     fn is_loaded(&self, cell: usize, loads: &Loads) -> bool {

@@ -4,6 +4,7 @@ mod bar;
 mod cell;
 mod common;
 mod contrast;
+mod fine_correction;
 mod fine_error;
 mod indicators;
 mod poisson;

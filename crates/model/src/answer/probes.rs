@@ -26,6 +26,25 @@ pub(crate) fn invariants(scene: &Scene, x: [f64; 2], stress: [f64; 3]) -> [f64; 
     [scene.problem.bodies[body].material().von_mises(stress), larger, smaller]
 }
 
+/// Step of differences of invariants, over the stress.
+const STEP: f64 = 1e-4;
+
+/// The derivatives of the invariants of a stress by its components.
+pub(crate) fn slopes(stress: [f64; 3], invariants: impl Fn([f64; 3]) -> [f64; 3]) -> [[f64; 3]; 3] {
+    let step = STEP * stress.iter().fold(f64::MIN_POSITIVE, |m: f64, s| m.max(s.abs()));
+    let mut slopes = [[0.0; 3]; 3];
+    for i in 0..3 {
+        let moved = |by: f64| {
+            let mut stress = stress;
+            stress[i] += by;
+            invariants(stress)
+        };
+        let (up, down) = (moved(step), moved(-step));
+        (0..3).for_each(|k| slopes[k][i] = (up[k] - down[k]) / (2.0 * step));
+    }
+    slopes
+}
+
 /// Displacement and stress along the lines of a scene, as `at` has them at a point where something lies.
 pub(crate) fn lines(scene: &Scene, at: impl Fn(Spot, [f64; 2]) -> State + Sync) -> Vec<LineProbe> {
     let line = |line: &ProbeLine| LineProbe { from: line.from, to: line.to, points: points(scene, line.places(), &at) };

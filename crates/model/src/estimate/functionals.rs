@@ -8,7 +8,7 @@ use steklov_contact::Tip;
 use steklov_elastic::plane::turned;
 use steklov_problem::{Friction, QuantityKind, Scene, Surfaces};
 
-use crate::answer::probes::invariants;
+use crate::answer::probes::{invariants, slopes};
 use crate::contact_length::extracts_ends;
 use crate::data::on_mesh::OnMesh;
 use crate::estimate::contact_ends::ContactEnd;
@@ -25,9 +25,6 @@ pub(crate) struct LinearFunctional {
     /// w, two for each node; empty for none.
     pub(crate) of_forces: Vec<f64>,
 }
-
-/// Step of differences of invariants, over the stress.
-const STEP: f64 = 1e-4;
 
 /// A trace of weights that are zero.
 const NOTHING: Trace = Trace { displacement: [0.0; 2], traction: [0.0; 2], stress: [0.0; 3] };
@@ -93,7 +90,7 @@ impl OnMesh<'_> {
     /// Displacement, stress and the slopes of its invariants at a point.
     fn at_point(&self, solved: &Solved, field: &Field, x: [f64; 2]) -> [LinearFunctional; 8] {
         let outline = &self.scene.problem.outline;
-        let of_invariants = self.slopes_of_invariants(x, solved.probe(self.scene, x).stress);
+        let of_invariants = slopes(solved.probe(self.scene, x).stress, |stress| invariants(self.scene, x, stress));
         // weights of displacement and stress
         let unit = |k: usize| std::array::from_fn(|i| f64::from(u8::from(i == k)));
         let of_stress = |[xx, yy, xy]: [f64; 3]| [0.0, 0.0, xx, yy, xy];
@@ -115,22 +112,6 @@ impl OnMesh<'_> {
             functional.of_fields.push((piece, Functional::sum(&own, weights)));
         }
         all
-    }
-
-    /// The derivatives of the invariants of a stress at a point by its components.
-    fn slopes_of_invariants(&self, x: [f64; 2], stress: [f64; 3]) -> [[f64; 3]; 3] {
-        let step = STEP * stress.iter().fold(f64::MIN_POSITIVE, |m: f64, s| m.max(s.abs()));
-        let mut slopes = [[0.0; 3]; 3];
-        for i in 0..3 {
-            let moved = |by: f64| {
-                let mut stress = stress;
-                stress[i] += by;
-                invariants(self.scene, x, stress)
-            };
-            let (up, down) = (moved(step), moved(-step));
-            (0..3).for_each(|k| slopes[k][i] = (up[k] - down[k]) / (2.0 * step));
-        }
-        slopes
     }
 
     /// Σ w·R over the nodes of a side, in the components in which it reacts.

@@ -12,6 +12,11 @@ use crate::run::report::Report;
 use crate::solve::medium::Around;
 use crate::summary::{GridSummary, Probe, SideProbe};
 
+/// How far beside a point the cells around it are looked for, over the spacing.
+const BESIDE: f64 = 1e-6;
+/// Rounding errors of a factor, over those of one number, the contrast and the square of the cells across: measured up to 80.
+const OF_FACTOR: f64 = 100.0;
+
 impl GridSolved {
     /// Displacement and stress at a point of the body or its boundary.
     ///
@@ -27,6 +32,35 @@ impl GridSolved {
             Some(around) if spot.body > 0 => around.at(x),
             _ => self.at(x),
         }
+    }
+
+    /// Rounding errors of a solution, relative: those of its factor, by the contrast of the moduli and the cells across.
+    pub(crate) fn digits(&self) -> f64 {
+        let across = self.body.grid.cells.into_iter().fold(0, usize::max) as f64;
+        let [low, high] = self.moduli();
+        OF_FACTOR * f64::EPSILON * high / low * across * across
+    }
+
+    /// The smallest and the largest Young's modulus of a cell.
+    fn moduli(&self) -> [f64; 2] {
+        let inside = self.body.grid.body_cells().map(|c| self.body.young[c]);
+        inside.fold([f64::INFINITY, 0.0], |[low, high], e| [low.min(e), high.max(e)])
+    }
+
+    /// Which of these points are where cells of different moduli meet: the stress there has several values, or none.
+    pub(crate) fn at_jumps(&self, points: &[[f64; 2]]) -> Vec<usize> {
+        let (body, grid) = (&self.body, &self.body.grid);
+        let jumps = |&x: &[f64; 2]| {
+            // the cells around it
+            let mut near = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].into_iter().filter_map(|by| {
+                let beside: [f64; 2] = std::array::from_fn(|k| x[k] + BESIDE * by[k] * grid.spacing[k]);
+                let (cell, _) = grid.locate(beside)?;
+                Some((body.young[cell], body.elasticity_of(cell).poisson))
+            });
+            let first = near.next();
+            near.any(|other| Some(other) != first)
+        };
+        (0..points.len()).filter(|&k| jumps(&points[k])).collect()
     }
 
     /// Displacement, traction and stress at the middles of the sides of fine cells along sides of the body.
@@ -46,7 +80,7 @@ impl GridSolved {
 }
 
 /// The report of finite elements.
-pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
+pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved, estimates: &[&GridEstimate]) -> Report<'a> {
     let estimate = solved.estimate.as_ref();
     // J(u_h) - J(u) = ½ ‖u - u_h‖² for data that the elements have; where they lock, half of the squared estimate is more than
     // that, but not less: the exact J lies between
@@ -81,7 +115,7 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         probe: scene.probe.iter().map(probe).collect(),
         named: Vec::new(),
         near: Vec::new(),
-        bars: Bars::default(),
+        bars: Bars::on_grid(scene, solved, estimates),
         lines: probes::lines(scene, |spot, x| solved.at_spot(spot, x)),
         sides: solved.along_sides(scene, &scene.probe_sides),
         grid: Some(grid_summary(solved)),
@@ -97,8 +131,7 @@ fn grid_summary(solved: &GridSolved) -> GridSummary {
     let (body, estimate) = (&solved.body, solved.estimate.as_ref());
     let coarse = solved.coarse.as_ref();
     let crossing = coarse.map(|c| crossing_contrast(body, &c.mesh, FAILING));
-    let inside = body.grid.body_cells().map(|c| body.young[c]);
-    let (low, high) = inside.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), e| (low.min(e), high.max(e)));
+    let [low, high] = solved.moduli();
     GridSummary {
         cells: body.grid.cells,
         fine_dofs: body.grid.dofs(),

@@ -122,6 +122,7 @@ pub(super) fn estimate(
         crossing,
         inside,
         crossed: contrast_crossed(body),
+        quantities: Vec::new(),
     }))
 }
 

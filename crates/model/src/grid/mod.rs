@@ -17,6 +17,7 @@ mod affine;
 mod answer;
 mod cells;
 mod coupled;
+mod duals;
 mod error_parts;
 mod estimate;
 mod layout;
@@ -31,6 +32,7 @@ mod trace;
 
 pub use adjoint::modulus_derivatives;
 pub(crate) use affine::{AffineGrid, OfBlock};
+pub use duals::GridQuantity;
 pub use error_parts::{FAILING, GridEstimate};
 pub use layout::GridLayout;
 pub use run::{MARKING, OnGrid};

@@ -106,7 +106,9 @@ impl Model for OnGrid {
     }
 
     fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a> {
-        answer::report(scene, &run.last)
+        let estimates: Vec<&GridEstimate> =
+            run.progress.steps.iter().filter_map(|step| step.estimate.as_ref()).collect();
+        answer::report(scene, &run.last, &estimates)
     }
 
     fn at(solved: &GridSolved, spot: Spot, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {

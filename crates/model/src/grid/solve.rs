@@ -9,6 +9,7 @@ use steklov_problem::Scene;
 
 use super::cells::{basis, body};
 use super::coupled::solve_coupled;
+use super::duals::Duals;
 use super::estimate::estimate;
 use super::layout::GridLayout;
 use super::loads::{Tractions, check_gaps, loads};
@@ -36,11 +37,15 @@ pub fn solve_grid(
     let body = body(scene, layout)?;
     let acting = Acting::new(scene, layout, &body)?;
     let set_up = clock.elapsed().as_secs_f64();
-    let (mut solved, held) = solve_unestimated(scene, layout, body, &acting, observe)?;
+    let (mut solved, held, duals) = solve_unestimated(scene, layout, body, &acting, true, observe)?;
     solved.seconds.set_up += set_up;
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.9))?;
+    let quantities = duals.map_or(Vec::new(), |duals| duals.quantities(scene, &solved, &acting, &held));
     solved.estimate = estimate(scene, &solved, &acting.loads, acting.tractions, &held)?;
+    if let Some(estimate) = &mut solved.estimate {
+        estimate.quantities = quantities;
+    }
     if solved.estimate.as_ref().is_some_and(|e| !e.error.is_finite()) {
         return Err(SolveError::NotFinite { energy: solved.energies.total });
     }
@@ -59,11 +64,11 @@ pub(crate) fn solve_once(
 ) -> Result<GridSolved, SolveError> {
     let body = body(scene, layout)?;
     let observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError> = &mut |_| Ok(());
-    let (solved, _) = match acting {
-        Some(acting) => solve_unestimated(scene, layout, body, acting, observe)?,
+    let (solved, ..) = match acting {
+        Some(acting) => solve_unestimated(scene, layout, body, acting, false, observe)?,
         None => {
             let acting = Acting::new(scene, layout, &body)?;
-            solve_unestimated(scene, layout, body, &acting, observe)?
+            solve_unestimated(scene, layout, body, &acting, false, observe)?
         }
     };
     Ok(solved)
@@ -72,9 +77,9 @@ pub(crate) fn solve_once(
 /// What acts on a grid, and where: the same whatever the moduli.
 pub(crate) struct Acting {
     /// The boundary of the fine grid.
-    fine: GridTrace,
-    loads: Loads,
-    tractions: Tractions,
+    pub(super) fine: GridTrace,
+    pub(super) loads: Loads,
+    pub(super) tractions: Tractions,
     /// Supports and contact of that boundary; none where coarse cells or a medium have their own.
     on_fine: Option<(Vec<Held>, Option<ContactBoundary>)>,
 }
@@ -110,29 +115,32 @@ fn on_boundary(scene: &Scene, trace: &GridTrace) -> Result<(Vec<Held>, Option<Co
     Ok((held, boundary))
 }
 
-/// The solution and the fine unknowns that are held.
+/// The solution, the fine unknowns that are held, and the dual solutions of the numbers of the scene where they are `wanted` and known.
+type Unestimated = (GridSolved, Vec<bool>, Option<Duals>);
+
 fn solve_unestimated(
     scene: &Scene,
     layout: &GridLayout,
     body: HeterogeneousBody,
     acting: &Acting,
+    wanted: bool,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<(GridSolved, Vec<bool>), SolveError> {
+) -> Result<Unestimated, SolveError> {
     let Acting { fine, loads, on_fine, .. } = acting;
-    let (solved, held) = match (scene.surroundings(), &layout.coarse, on_fine) {
+    let (solved, held, duals) = match (scene.surroundings(), &layout.coarse, on_fine) {
         (Some(medium), ..) => {
             let held = vec![false; body.grid.dofs()];
-            (solve_coupled(scene, medium, body, fine.clone(), loads, layout, observe)?, held)
+            (solve_coupled(scene, medium, body, fine.clone(), loads, layout, observe)?, held, None)
         }
-        (None, Some(cells), _) => solve_coarse(scene, body, fine, loads, cells.clone(), observe)?,
-        (None, None, Some(on_fine)) => solve_fine(scene, body, fine.clone(), loads, on_fine, observe)?,
+        (None, Some(cells), _) => solve_coarse(scene, body, (fine, cells.clone()), loads, wanted, observe)?,
+        (None, None, Some(on_fine)) => solve_fine(scene, body, (fine.clone(), on_fine), loads, wanted, observe)?,
         (None, None, None) => unreachable!("what acts on a fine grid alone has its supports"),
     };
     let Energies { total, strain, load_work, .. } = solved.energies;
     if [total, strain, load_work].iter().chain(&solved.displacement).any(|v| !v.is_finite()) {
         return Err(SolveError::NotFinite { energy: total });
     }
-    Ok((solved, held))
+    Ok((solved, held, duals))
 }
 
 /// Stress as a traction on element e, times half its length: the moment against one end.
@@ -175,11 +183,11 @@ fn held_unknowns(grid: &Grid, trace: &GridTrace, held: &[Held]) -> Vec<bool> {
 fn solve_fine(
     scene: &Scene,
     body: HeterogeneousBody,
-    trace: GridTrace,
+    (trace, (held, boundary)): (GridTrace, &(Vec<Held>, Option<ContactBoundary>)),
     loads: &Loads,
-    (held, boundary): &(Vec<Held>, Option<ContactBoundary>),
+    wanted: bool,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<(GridSolved, Vec<bool>), SolveError> {
+) -> Result<Unestimated, SolveError> {
     let clock = Instant::now();
     observe(Stage::Progress("assembling K", 0.1))?;
     let grid = &body.grid;
@@ -202,6 +210,9 @@ fn solve_fine(
     let answer = system.solve(scene, &trace, held, boundary.clone(), &traction, observe)?;
     let factorise = clock.elapsed().as_secs_f64();
     let is_held = held_unknowns(grid, &trace, held);
+    let clock = Instant::now();
+    let duals = if wanted { Duals::on_fine(scene, &body, &answer, (&trace.space, held)) } else { None };
+    let estimate_seconds = clock.elapsed().as_secs_f64();
     let solved = GridSolved {
         dofs: grid.dofs(),
         energies: energies(&answer, answer.energy / 2.0, answer.work),
@@ -213,7 +224,7 @@ fn solve_fine(
         free_motions: answer.free_motions,
         estimate: None,
         seconds: Seconds { assemble, factorise, ..Seconds::default() },
-        estimate_seconds: 0.0,
+        estimate_seconds,
         coarse: None,
         trace,
         body,
@@ -221,14 +232,20 @@ fn solve_fine(
         interface: None,
         jump_oscillation: Vec::new(),
     };
-    Ok((solved, is_held))
+    Ok((solved, is_held, duals))
 }
 
 /// Relative difference of prescribed displacements that counts as rounding.
 const ROUNDING: f64 = 1e-13;
 
 /// Displacements prescribed on the fine boundary less the trace of those at the vertices.
-fn lift(problem: &Multiscale<'_>, fine: &GridTrace, held: &[Held], trace: &GridTrace, coarse: &[Held]) -> Vec<f64> {
+pub(super) fn lift(
+    problem: &Multiscale<'_>,
+    fine: &GridTrace,
+    held: &[Held],
+    trace: &GridTrace,
+    coarse: &[Held],
+) -> Vec<f64> {
     let grid = &problem.body.grid;
     let mut lift = vec![0.0; grid.dofs()];
     let mut place = 0;
@@ -365,11 +382,11 @@ fn coarse_system(
 fn solve_coarse(
     scene: &Scene,
     body: HeterogeneousBody,
-    fine: &GridTrace,
+    (fine, cells): (&GridTrace, Vec<CoarseCell>),
     loads: &Loads,
-    cells: Vec<CoarseCell>,
+    wanted: bool,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<(GridSolved, Vec<bool>), SolveError> {
+) -> Result<Unestimated, SolveError> {
     let clock = Instant::now();
     let grid = &body.grid;
     let mesh = CoarseMesh::new(grid, cells)?;
@@ -406,6 +423,10 @@ fn solve_coarse(
     let (strain, load_work) = field_energies(&problem, &displacement, &answer.displacement, loads, &extra)?;
     let solve = clock.elapsed().as_secs_f64();
     let is_held = held_unknowns(grid, fine, &fine_held);
+    let clock = Instant::now();
+    let boundaries = [(fine, &fine_held[..]), (&trace, &held[..])];
+    let duals = if wanted { Duals::on_coarse(scene, &problem, (&answer, &displacement), boundaries)? } else { None };
+    let estimate_seconds = clock.elapsed().as_secs_f64();
     let (dofs, patterns) = (problem.dofs(), problem.patterns());
     let mut vertices = problem.vertex_displacement(&answer.displacement).into_flattened();
     let mesh = problem.mesh;
@@ -423,7 +444,7 @@ fn solve_coarse(
         free_motions: answer.free_motions,
         estimate: None,
         seconds: Seconds { set_up, assemble, factorise, solve, enrich: 0.0 },
-        estimate_seconds: 0.0,
+        estimate_seconds,
         coarse: Some(CoarseSolved {
             mesh,
             basis,
@@ -438,5 +459,5 @@ fn solve_coarse(
         interface: None,
         jump_oscillation: Vec::new(),
     };
-    Ok((solved, is_held))
+    Ok((solved, is_held, duals))
 }

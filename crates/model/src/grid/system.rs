@@ -49,6 +49,8 @@ pub(crate) struct Answer {
     /// uᵀ K u and uᵀ f.
     pub energy: f64,
     pub work: f64,
+    /// K, and its factor.
+    pub elimination: Elimination,
 }
 
 /// Part of all nodal forces that a translation may meet as resistance.
@@ -208,6 +210,7 @@ impl System {
             reactions,
             free_motions: free,
             displacement,
+            elimination,
         })
     }
 }

@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     fn quantity(value: f64, uncertainty: f64) -> Quantity {
-        Quantity { value, uncertainty, doubts: Vec::new() }
+        Quantity { value, uncertainty, doubts: Vec::new(), parts: BTreeMap::new() }
     }
 
     #[test]

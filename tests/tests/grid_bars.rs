@@ -1,0 +1,177 @@
+//! Error bars of numbers on grids: judged by known solutions, by boundary elements and by the fine grid of coarse cells.
+
+use steklov_model::quantities::Quantity;
+use steklov_model::summary::Summary;
+use steklov_tests::{Random, on_grid, parse, summary};
+
+/// The sides of a square.
+const SQUARE: &str =
+    "body = { corners = [[0, 0], [1, 0], [1, 1], [0, 1]], sides = [\"lower\", \"right\", \"upper\", \"left\"] }\n";
+
+fn solved(text: &str) -> Summary {
+    on_grid(&parse(text, &["method.refine=\"none\""]).unwrap_or_else(|e| panic!("{}\n{text}", e.render())))
+}
+
+/// Value and uncertainty of a number without doubts.
+fn bar(summary: &Summary, path: &str) -> Option<[f64; 2]> {
+    let Quantity { value, uncertainty, doubts, .. } = summary.quantities.get(path)?;
+    doubts.is_empty().then_some([*value, *uncertainty])
+}
+
+/// u = (x y sin πy, 0) on the unit square with μ = 1 and λ = 100, which bilinear elements meet with ν = 0.495.
+#[test]
+fn a_known_field_is_inside_its_bars_on_every_grid() {
+    use std::f64::consts::PI;
+    let (mu, lambda) = (1.0, 100.0);
+    let text = format!(
+        "{SQUARE}material = {{ young = {}, poisson = {} }}\nmethod.model = \"fem\"\n\
+         sides.left.displacement = [0, 0]\nsides.lower.displacement = [0, 0]\nsides.upper.displacement = [0, 0]\n\
+         sides.right.displacement = [\"y*sin(pi*y)\", 0]\nprobe.points = [[0.5, 0.5], [0.31, 0.77], [0.25, 0.25]]\n\
+         body_force.value = [\"-x*(2*pi*cos(pi*y) - pi^2*y*sin(pi*y))\", \"-101*(sin(pi*y) + pi*y*cos(pi*y))\"]\n",
+        mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu),
+        lambda / (2.0 * (lambda + mu)),
+    );
+    let mut widest = [f64::INFINITY; 15];
+    for n in [8, 16, 32, 64] {
+        let summary = solved(&format!("{text}grid = {{ coarse = [{n}, {n}], fine = [1, 1] }}\n"));
+        let mut of_path = widest.iter_mut();
+        for (k, [x, y]) in [[0.5, 0.5], [0.31, 0.77], [0.25, 0.25]].into_iter().enumerate() {
+            let (s, c) = (PI * y).sin_cos();
+            let of = [
+                ("displacement.x", x * y * s),
+                ("displacement.y", 0.0),
+                ("stress.xx", (lambda + 2.0 * mu) * y * s),
+                ("stress.yy", lambda * y * s),
+                ("stress.xy", mu * x * (s + PI * y * c)),
+            ];
+            for (name, exact) in of {
+                let path = format!("probe.{k}.{name}");
+                let Quantity { value, uncertainty, doubts, .. } = &summary.quantities[&path];
+                // strains of a half
+                assert_eq!(doubts, &["large"]);
+                let error = (value - exact).abs();
+                println!("{n} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+                assert!(error <= 1.1 * *uncertainty, "{path} at {n}: {error:e} and {uncertainty:e}");
+                let widest = of_path.next().expect("a number for each");
+                assert!(*uncertainty < *widest / 1.2, "{path} at {n}: {uncertainty:e} after {widest:e}");
+                *widest = *uncertainty;
+            }
+        }
+    }
+    assert!(widest.iter().step_by(5).all(|bar| *bar < 2e-4), "{widest:?}");
+}
+
+/// A rectangle of 2 by 1, held on the left and loaded on the right and above; every second one of random cells.
+fn random_body(random: &mut Random, cells: bool) -> String {
+    let mut number = |low: f64, high: f64| random.between(low, high);
+    let young = match cells {
+        true => {
+            format!("cells = {{ size = 0.25, young = {{ uniform = [1, 20], seed = {} }} }}", number(0.0, 1e3) as u64)
+        }
+        false => "young = 10".to_owned(),
+    };
+    let poisson = number(0.0, 0.45);
+    let [a, b, c, d, e, x, y] = std::array::from_fn(|k| if k < 5 { number(-1.0, 1.0) } else { number(0.1, 0.9) });
+    format!(
+        "body = {{ corners = [[0, 0], [2, 0], [2, 1], [0, 1]], sides = [\"lower\", \"right\", \"upper\", \"left\"] }}\n\
+         material = {{ poisson = {poisson}, {young} }}\nsides.left.displacement = [0, 0]\n\
+         sides.right.traction = [{a}, \"{b} + {c}*y\"]\nsides.upper.traction = [{d}, \"{e}*sin(2*x)\"]\n\
+         probe.points = [[{}, {y}], [{}, {}], [0, {x}]]\n",
+        2.0 * x,
+        2.0 * y,
+        1.0 - x,
+    )
+}
+
+/// Bar over error of the numbers of one summary against those of another, where that tells the error.
+fn effectivities(own: &Summary, reference: &Summary, bar_of: impl Fn(&Quantity) -> f64) -> Vec<f64> {
+    let mut found = Vec::new();
+    for (path, quantity) in own.quantities.iter().filter(|(path, of)| *path != "energy" && of.doubts.is_empty()) {
+        let Some(Quantity { value, uncertainty, .. }) = reference.quantities.get(path) else { continue };
+        let error = (quantity.value - value).abs();
+        if error > 5.0 * uncertainty && error > 1e-8 * value.abs() {
+            found.push(bar_of(quantity) / error);
+        }
+    }
+    found
+}
+
+/// The shares of `found` at least `below`, and at most `above`.
+fn shares(found: &[f64], below: f64, above: f64) -> [f64; 2] {
+    let share = |holds: &dyn Fn(f64) -> bool| found.iter().filter(|e| holds(**e)).count() as f64 / found.len() as f64;
+    [share(&|e| e >= below), share(&|e| e <= above)]
+}
+
+#[test]
+fn bars_of_fine_grids_hold_against_boundary_elements() {
+    let (mut random, mut found) = (Random::new(11), Vec::new());
+    for _ in 0..12 {
+        let text = random_body(&mut random, false);
+        let exact = summary(&parse(&text, &["method.tolerance=1e-5"]).expect("a scene"));
+        for n in [6, 12, 24] {
+            let grid = format!("grid = {{ coarse = [{}, {n}], fine = [1, 1] }}\nmethod.model = \"fem\"\n", 2 * n);
+            found.extend(effectivities(&solved(&format!("{text}{grid}")), &exact, |quantity| quantity.uncertainty));
+        }
+    }
+    let least = found.iter().fold(f64::INFINITY, |m: f64, e| m.min(*e));
+    let ([half, narrow], [third, ten]) = (shares(&found, 0.5, 4.0), shares(&found, 0.3, 10.0));
+    println!("{} numbers: half {half}, third {third}, least {least}, at most 4 {narrow}, 10 {ten}", found.len());
+    assert!(found.len() > 500 && half >= 0.97 && third >= 0.995 && least >= 0.1, "{half} {third} {least}");
+    assert!(narrow >= 0.75 && ten >= 0.9, "{narrow} {ten}");
+}
+
+#[test]
+fn the_multiscale_part_is_that_of_the_fine_grid() {
+    let (mut random, mut found) = (Random::new(12), Vec::new());
+    let cells = |basis: &str| format!("grid = {{ coarse = [8, 4], fine = [8, 8], basis = \"{basis}\" }}\n");
+    for scene in 0..12 {
+        let text = random_body(&mut random, scene % 2 == 0);
+        let whole = solved(&format!("{text}{}method.model = \"fem\"\n", cells("coupled")));
+        let basis = ["coupled", "oscillatory", "linear", "q1"][scene % 4];
+        let own = solved(&format!("{text}{}method.model = \"msfem\"\n", cells(basis)));
+        let mut exact = whole.clone();
+        // the fine grid is what the part is told against
+        exact.quantities.values_mut().for_each(|quantity| quantity.uncertainty = 0.0);
+        found.extend(effectivities(&own, &exact, |quantity| quantity.parts["multiscale"]));
+        for (path, quantity) in own.quantities.iter().filter(|(path, _)| *path != "energy") {
+            let sum: f64 = quantity.parts.values().sum();
+            assert!(quantity.uncertainty >= (1.0 - 1e-12) * sum, "{path}: {quantity:?}");
+            assert!(whole.quantities[path].parts["multiscale"] == 0.0, "{path}: {:?}", whole.quantities[path]);
+        }
+    }
+    let least = found.iter().fold(f64::INFINITY, |m: f64, e| m.min(*e));
+    let ([half, narrow], [_, ten]) = (shares(&found, 0.5, 4.0), shares(&found, 0.3, 10.0));
+    println!("{} numbers: half {half}, least {least}, at most 4 {narrow}, 10 {ten}", found.len());
+    assert!(found.len() > 200 && half >= 0.97 && least >= 0.3, "{half} {least}");
+    assert!(narrow >= 0.7 && ten >= 0.85, "{narrow} {ten}");
+}
+
+#[test]
+fn stresses_where_cells_of_other_moduli_meet_are_in_doubt() {
+    let text = format!(
+        "{SQUARE}material.poisson = 0.3\nmaterial.cells = {{ size = 0.5, young = \"if(x > 0.5, 2, 1)\" }}\n\
+         sides.left.displacement = [0, 0]\nsides.right.traction = [1, 0]\nmethod.model = \"fem\"\n\
+         probe.points = [[0.5, 0.3], [0.3, 0.5]]\ngrid = {{ coarse = [4, 4], fine = [2, 2] }}\n"
+    );
+    let summary = solved(&text);
+    let doubts = |path: &str| summary.quantities[path].doubts.join(" ");
+    assert_eq!(doubts("probe.0.stress.yy"), "coarse");
+    assert_eq!(doubts("probe.0.displacement.x"), "");
+    assert_eq!(doubts("probe.1.stress.yy"), "");
+}
+
+#[test]
+fn a_field_that_the_grid_has_is_told_to_rounding() {
+    let text = format!(
+        "{SQUARE}material = {{ young = 3, poisson = 0.3 }}\nmethod.model = \"msfem\"\n\
+         sides.left.displacement = [0, \"free\"]\nsides.lower.displacement = [\"free\", 0]\nsides.right.traction = [1, 0]\n\
+         probe.points = [[0.37, 0.81], [1, 1]]\ngrid = {{ coarse = [4, 4], fine = [4, 4] }}\n"
+    );
+    let summary = solved(&text);
+    for (path, exact) in
+        [("probe.0.stress.xx", 1.0), ("probe.1.displacement.x", 0.91 / 3.0), ("reactions.left.x", -1.0)]
+    {
+        let [value, uncertainty] = bar(&summary, path).unwrap_or_else(|| panic!("{path}"));
+        assert!((value - exact).abs() <= uncertainty && uncertainty < 1e-8, "{path}: {value} ± {uncertainty:e}");
+    }
+}
