@@ -29,7 +29,7 @@ use crate::answer::wedges::is_straight;
 use crate::contact_length::extracts_ends;
 use crate::doubt::Doubt;
 use crate::estimate::error_estimate::{Bubble, Estimate};
-use crate::grid::{GridEstimate, GridQuantity, GridSolved};
+use crate::grid::{GridQuantity, GridSolved};
 use crate::named::components;
 use crate::solve::contact_rows::{ContactRow, TOUCHING};
 use crate::solve::fields::ElasticField;
@@ -283,28 +283,16 @@ impl Bars {
         all
     }
 
-    /// The values of the last of these steps on grids.
-    pub(crate) fn on_grid(scene: &Scene, solved: &GridSolved, estimates: &[&GridEstimate]) -> Self {
-        let Some((last, before)) = estimates.split_last() else { return Self::default() };
-        let entries = entries(scene, &solved.reactions);
-        if last.quantities.len() != entries.len() {
+    /// The values of a solution on a grid.
+    pub(crate) fn on_grid(scene: &Scene, solved: &GridSolved) -> Self {
+        let (quantities, entries) = (solved.quantities(scene), entries(scene, &solved.reactions));
+        let Some(estimate) = solved.estimate.as_ref().filter(|_| quantities.len() == entries.len()) else {
             return Self::default();
-        }
-        let before = before.last().filter(|before| before.quantities.len() == last.quantities.len());
-        // how the squares have fallen
-        let fallen = |now: f64, then: f64| if then > 0.0 { (now / then).min(1.0) } else { 1.0 };
-        let of = |(k, own): (usize, &GridQuantity)| {
-            let mut parts = [own.fine_grid, own.multiscale];
-            if let Some(before) = before {
-                let then = before.quantities[k];
-                parts[0] = parts[0].max(fallen(last.fine_grid, before.fine_grid) * then.fine_grid);
-                parts[1] = parts[1].max(fallen(last.multiscale, before.multiscale) * then.multiscale);
-            }
-            parts.map(|part| OF_DIFFERENCE * part)
         };
-        let parts: Vec<[f64; 2]> = last.quantities.iter().enumerate().map(of).collect();
-        let values = last.quantities.iter().zip(&parts).map(|(own, parts)| [own.value, parts.iter().sum()]).collect();
-        let scale = if last.relative > 0.0 { last.error / last.relative } else { 0.0 };
+        let of = |own: &GridQuantity| [own.fine_grid, own.multiscale].map(|part| OF_DIFFERENCE * part);
+        let parts: Vec<[f64; 2]> = quantities.iter().map(of).collect();
+        let values = quantities.iter().zip(&parts).map(|(own, parts)| [own.value, parts.iter().sum()]).collect();
+        let scale = if estimate.relative > 0.0 { estimate.error / estimate.relative } else { 0.0 };
         let at_jumps = solved.at_jumps(&scene.probe);
         let rounded = solved.digits().max(ROUNDED);
         let mut all = Self { entries, values, sizes: sizes(scene, scale), of_energy: None, parts, at_jumps, rounded };

@@ -204,16 +204,9 @@ impl HeterogeneousBody {
 
     /// K u without the matrix (force per thickness at each unknown).
     pub fn forces(&self, u: &[f64]) -> Vec<f64> {
-        let at = |node: usize| {
-            let mut force = [0.0; 2];
-            for (cell, a) in self.around(node).into_iter().flatten() {
-                let f = self.cell_forces(cell, &self.cell_values(u, cell));
-                (0..2).for_each(|i| force[i] += f[2 * a + i]);
-            }
-            force
-        };
-        let forces: Vec<[f64; 2]> = (0..self.grid.nodes()).into_par_iter().map(at).collect();
-        forces.into_flattened()
+        let mut forces = vec![0.0; u.len()];
+        self.multiply(u, &mut forces);
+        forces
     }
 
     /// a(u, v) = uᵀ K v.

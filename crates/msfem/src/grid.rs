@@ -101,6 +101,11 @@ impl Grid {
         (node != NONE).then_some(node as usize)
     }
 
+    /// The number of nodes in the rows below one, rows along x: nodes are numbered row by row.
+    pub(crate) fn nodes_below(&self, row: usize) -> usize {
+        self.lattice.partition_point(|[_, j]| (*j as usize) < row)
+    }
+
     /// Lattice point of a node.
     pub fn lattice(&self, node: usize) -> [usize; 2] {
         self.lattice[node].map(|i| i as usize)

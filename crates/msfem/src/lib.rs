@@ -88,6 +88,7 @@ mod indicators;
 mod fine_correction;
 mod fine_error;
 mod refinement;
+mod stiffness_product;
 mod contrast;
 
 // the crates whose types appear in the interface
@@ -101,9 +102,9 @@ pub use elasticity::Elasticity;
 pub use elimination::{Elimination, ReducedLoad};
 pub use error::MsfemError;
 pub use fine_correction::fine_correction;
-pub use fine_error::{BubbleResidual, bubble_indicators, bubble_values, bubble_weighted_residuals};
+pub use fine_error::{BubbleDual, BubbleResidual, OfSide, bubble_indicators, bubble_values, bubble_weighted_residuals};
 pub use grid::Grid;
 pub use indicators::{Indicators, SideTraction, nodal_indicators};
 pub use load::Loads;
-pub use multiscale::{CoarseSystem, Extra, Multiscale};
+pub use multiscale::{Bases, CoarseSystem, Extra, Multiscale};
 pub use refinement::{mark, refine};

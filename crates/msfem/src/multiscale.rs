@@ -41,6 +41,17 @@ pub struct Multiscale<'a> {
     pub(crate) kept: Vec<Option<CellBasis>>,
 }
 
+/// All of a [`Multiscale`] but its body and mesh: what [`Multiscale::assemble`] has found.
+#[derive(Debug)]
+pub struct Bases {
+    basis: Basis,
+    unknown: Vec<Option<usize>>,
+    combinations: Vec<[Combination; 2]>,
+    patterns: Vec<Vec<usize>>,
+    structures: Structures,
+    kept: Vec<Option<CellBasis>>,
+}
+
 /// K^H and the load of a coarse problem.
 #[derive(Debug, Clone)]
 pub struct CoarseSystem {
@@ -83,6 +94,18 @@ impl<'a> Multiscale<'a> {
         this.number();
         this.find_patterns();
         Ok(this)
+    }
+
+    /// The mesh and the bases, without the body.
+    pub fn into_bases(self) -> (CoarseMesh, Bases) {
+        let Self { basis, unknown, combinations, patterns, structures, kept, mesh, .. } = self;
+        (mesh, Bases { basis, unknown, combinations, patterns, structures, kept })
+    }
+
+    /// What [`Self::into_bases`] took apart, on the same body.
+    pub fn with_bases(body: &'a HeterogeneousBody, mesh: CoarseMesh, bases: Bases) -> Self {
+        let Bases { basis, unknown, combinations, patterns, structures, kept } = bases;
+        Self { body, mesh, basis, unknown, combinations, patterns, structures, kept }
     }
 
     /// Number of unknowns, held ones included.

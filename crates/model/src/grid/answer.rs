@@ -80,7 +80,7 @@ impl GridSolved {
 }
 
 /// The report of finite elements.
-pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved, estimates: &[&GridEstimate]) -> Report<'a> {
+pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
     let estimate = solved.estimate.as_ref();
     // J(u_h) - J(u) = ½ ‖u - u_h‖² for data that the elements have; where they lock, half of the squared estimate is more than
     // that, but not less: the exact J lies between
@@ -115,7 +115,7 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved, estimates: &[&Gr
         probe: scene.probe.iter().map(probe).collect(),
         named: Vec::new(),
         near: Vec::new(),
-        bars: Bars::on_grid(scene, solved, estimates),
+        bars: Bars::on_grid(scene, solved),
         lines: probes::lines(scene, |spot, x| solved.at_spot(spot, x)),
         sides: solved.along_sides(scene, &scene.probe_sides),
         grid: Some(grid_summary(solved)),

@@ -1,5 +1,6 @@
 //! A grid in an unbounded medium: finite elements inside, boundary elements around them.
 
+use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 use steklov_bem_operators::{Datum, Mesh, Site, Space};
@@ -203,6 +204,8 @@ fn solved(
         around: Some(Around::new(medium, exterior.mesh, exterior.space, exterior.operators.length, &coupled)),
         interface: Some(interface),
         jump_oscillation,
+        dual_data: Mutex::default(),
+        quantities: OnceLock::new(),
     })
 }
 

@@ -15,28 +15,28 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
 
-use steklov_bem_operators::Space;
 use steklov_elastic::principal;
 use steklov_msfem::{
-    Basis, BubbleResidual, CoarseMesh, Extra, HeterogeneousBody, Loads, MsfemError, Multiscale, bubble_values,
-    bubble_weighted_residuals, fine_correction,
+    Bases, Basis, BubbleDual, BubbleResidual, CoarseCell, Elimination, Extra, HeterogeneousBody, Loads, Multiscale,
+    bubble_values, bubble_weighted_residuals, fine_correction,
 };
 use steklov_problem::steklov_expression::Expression;
 use steklov_problem::{Condition, Scene};
 
-use super::solution::GridSolved;
+use super::solution::{CoarseSolved, GridSolved};
 use super::solve::{Acting, lift};
-use super::system::Answer;
 use super::trace::GridTrace;
 use crate::answer::probes::slopes;
 use crate::data::supports::{Held, Supports};
+use crate::error::SolveError;
 use crate::quantities;
 
 /// The part of Σ |η_T| that a difference has at least.
 const OF_WEIGHTED: f64 = 0.5;
 /// Gain of energy at which u_h is near enough.
-const ENOUGH: f64 = 1e-3;
+const ENOUGH: f64 = 3e-2;
 
 /// A number on a grid, and how far the exact one may be by the parts of the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,20 +51,20 @@ pub struct GridQuantity {
 
 /// A linear functional J, as the load of its dual problem.
 #[derive(Debug, Clone, Default)]
-pub(super) struct GridFunctional {
+struct GridFunctional {
     /// J(u) as it is told.
     value: f64,
     /// -j: the moments against the bilinear functions of cells.
-    pub load: Loads,
+    load: Loads,
     /// The same against the bubbles of a cell.
     of_cell: Option<(usize, [f64; 10])>,
     /// Side whose forces do work on w, and w.
-    pub of_forces: Option<(usize, [f64; 2])>,
+    of_forces: Option<(usize, [f64; 2])>,
 }
 
 /// The functionals of the numbers of a scene, and those that are told: each is a sum of functionals with weights.
-pub(super) struct GridFunctionals {
-    pub functionals: Vec<GridFunctional>,
+struct GridFunctionals {
+    functionals: Vec<GridFunctional>,
     numbers: Vec<Number>,
 }
 
@@ -75,59 +75,59 @@ struct Number {
     sum: Vec<(usize, f64)>,
 }
 
+/// What the dual problems of a solution take from it.
+pub(crate) struct DualData {
+    /// What acts on the grid.
+    pub acting: Acting,
+    /// Which fine unknowns are held.
+    pub is_held: Vec<bool>,
+    pub factors: Factors,
+}
+
+/// The factor of the equations of a grid, and what is held at the nodes of the boundary of the fine one.
+pub(super) struct Factors {
+    pub elimination: Elimination,
+    pub held: Vec<Held>,
+    /// The bases of coarse cells, and what is held at the nodes of their boundary.
+    pub coarse: Option<(Bases, Vec<Held>)>,
+}
+
+impl GridSolved {
+    /// The numbers of the scene with the parts of their errors, in the order of the error bars; none where they are not known: with contact,
+    /// a medium or random input, of a body that can move as a whole, of bases that do not conform, and once a next step has begun.
+    ///
+    /// *Cost*: at the first call a solution with the factor for each number, and one of the fine grid by conjugate gradients.
+    pub fn quantities(&self, scene: &Scene) -> &[GridQuantity] {
+        let found = || {
+            let data = self.dual_data.lock().unwrap_or_else(PoisonError::into_inner).take()?;
+            let conforms = self.coarse.as_ref().is_none_or(|coarse| coarse.basis.is_conforming());
+            let known = are_known(scene) && self.free_motions.is_empty() && conforms;
+            // what the moduli do not allow has no error bars
+            known.then(|| Duals::new(scene, self, data).ok())?
+        };
+        self.quantities.get_or_init(|| found().map_or(Vec::new(), |duals| duals.quantities(scene, self)))
+    }
+
+    /// Frees what [`Self::quantities`] needs.
+    pub(super) fn without_duals(&mut self) {
+        self.dual_data = Mutex::new(None);
+    }
+}
+
 /// The numbers of a scene and the solutions of their dual problems on the fine nodes.
-pub(super) struct Duals {
+struct Duals {
     functionals: GridFunctionals,
     solutions: Vec<Vec<f64>>,
+    acting: Acting,
+    is_held: Vec<bool>,
 }
 
 impl Duals {
-    /// Those of a solution of bilinear elements on all cells; none where no error bars are known.
-    pub fn on_fine(
-        scene: &Scene,
-        body: &HeterogeneousBody,
-        answer: &Answer,
-        (space, held): (&Space, &[Held]),
-    ) -> Option<Self> {
-        let known = are_known(scene) && answer.free_motions.is_empty();
-        let functionals = known.then(|| GridFunctionals::new(scene, body, &answer.displacement, &answer.reactions))?;
-        let loads: Vec<Vec<f64>> = functionals.functionals.iter().map(|f| f.load.nodal(body)).collect();
-        let values = |f: &GridFunctional| Supports { space, held: &f.held(held) }.values();
-        let values: Vec<Vec<f64>> = functionals.functionals.iter().map(values).collect();
-        let solutions = answer.elimination.fields(&loads, &values);
-        Some(Self { functionals, solutions })
-    }
-
-    /// Those of a solution of coarse cells; `fine` and `trace` are the boundaries of the fine and the coarse grid.
-    ///
-    /// # Errors
-    /// Those of bases.
-    pub fn on_coarse(
-        scene: &Scene,
-        problem: &Multiscale<'_>,
-        (answer, displacement): (&Answer, &[f64]),
-        [(fine, fine_held), (trace, held)]: [(&GridTrace, &[Held]); 2],
-    ) -> Result<Option<Self>, MsfemError> {
-        if !(are_known(scene) && answer.free_motions.is_empty() && problem.basis.is_conforming()) {
-            return Ok(None);
-        }
-        let functionals = GridFunctionals::new(scene, problem.body, displacement, &answer.reactions);
-        let (mut loads, mut values, mut extras) = (Vec::new(), Vec::new(), Vec::new());
-        for functional in &functionals.functionals {
-            let (own, own_fine) = (functional.held(held), functional.held(fine_held));
-            let lift = lift(problem, fine, &own_fine, trace, &own);
-            let extra = Extra { bubbles: problem.basis != Basis::Q1, lift };
-            loads.push(problem.load(&functional.load, &extra)?);
-            values.push(Supports { space: &trace.space, held: &own }.values());
-            extras.push(extra);
-        }
-        let coarse = answer.elimination.fields(&loads, &values);
-        let fields = coarse.iter().zip(&extras).zip(&functionals.functionals);
-        let fine = |((coarse, extra), functional): ((&Vec<f64>, &Extra), &GridFunctional)| {
-            problem.downscale(coarse, &functional.load, extra, &mut |_| true)
-        };
-        let solutions = fields.map(fine).collect::<Result<_, _>>()?;
-        Ok(Some(Self { functionals, solutions }))
+    fn new(scene: &Scene, solved: &GridSolved, data: DualData) -> Result<Self, SolveError> {
+        let DualData { acting, is_held, factors } = data;
+        let functionals = GridFunctionals::new(scene, &solved.body, &solved.displacement, &solved.reactions);
+        let solutions = functionals.solutions(solved, &acting, factors)?;
+        Ok(Self { functionals, solutions, acting, is_held })
     }
 }
 
@@ -138,7 +138,7 @@ fn are_known(scene: &Scene) -> bool {
 
 impl GridFunctional {
     /// What is held in the dual problem, at the nodes of a boundary.
-    pub fn held(&self, held: &[Held]) -> Vec<Held> {
+    fn held(&self, held: &[Held]) -> Vec<Held> {
         let value = |k: usize, side: usize| match self.of_forces {
             Some((own, w)) if own == side => (w[k], side),
             _ => (0.0, side),
@@ -150,13 +150,17 @@ impl GridFunctional {
 
 impl GridFunctionals {
     /// Those of a solution, in the order of [`quantities::Bars`]: points, then forces of supports.
-    pub fn new(scene: &Scene, body: &HeterogeneousBody, u: &[f64], reactions: &[(String, [f64; 2])]) -> Self {
+    fn new(scene: &Scene, body: &HeterogeneousBody, u: &[f64], reactions: &[(String, [f64; 2])]) -> Self {
         let mut this = Self { functionals: Vec::new(), numbers: Vec::new() };
         for &x in &scene.probe {
             this.add_point(body, u, x);
         }
         for (force, side) in quantities::forces(scene, reactions) {
             for i in 0..2 {
+                if !scene.problem.sides[side].holds(i) {
+                    this.numbers.push(Number { value: force[i], sum: Vec::new() });
+                    continue;
+                }
                 let w = [0, 1].map(|k| f64::from(u8::from(i == k)));
                 this.numbers.push(Number { value: force[i], sum: vec![(this.functionals.len(), 1.0)] });
                 let of_forces = Some((side, w));
@@ -164,6 +168,34 @@ impl GridFunctionals {
             }
         }
         this
+    }
+
+    /// The dual solutions on the fine nodes.
+    fn solutions(&self, solved: &GridSolved, acting: &Acting, factors: Factors) -> Result<Vec<Vec<f64>>, SolveError> {
+        let (body, trace, fine) = (&solved.body, &solved.trace, &acting.fine);
+        let Factors { elimination, held: fine_held, coarse } = factors;
+        let values = |space, held: &[Held]| Supports { space, held }.values();
+        let (Some((bases, held)), Some(of_mesh)) = (coarse, &solved.coarse) else {
+            let loads: Vec<Vec<f64>> = self.functionals.iter().map(|f| f.load.nodal(body)).collect();
+            let held: Vec<Vec<f64>> =
+                self.functionals.iter().map(|f| values(&fine.space, &f.held(&fine_held))).collect();
+            return Ok(elimination.fields(&loads, &held));
+        };
+        let problem = Multiscale::with_bases(body, of_mesh.mesh.clone(), bases);
+        let (mut loads, mut of_held, mut extras) = (Vec::new(), Vec::new(), Vec::new());
+        for functional in &self.functionals {
+            let (own, own_fine) = (functional.held(&held), functional.held(&fine_held));
+            let lift = lift(&problem, fine, &own_fine, trace, &own);
+            let extra = Extra { bubbles: problem.basis != Basis::Q1, lift };
+            loads.push(problem.load(&functional.load, &extra)?);
+            of_held.push(values(&trace.space, &own));
+            extras.push(extra);
+        }
+        let fields = elimination.fields(&loads, &of_held).into_iter().zip(&extras).zip(&self.functionals);
+        let fine = |((coarse, extra), functional): ((Vec<f64>, &Extra), &GridFunctional)| {
+            Ok(problem.downscale(&coarse, &functional.load, extra, &mut |_| true)?)
+        };
+        fields.map(fine).collect()
     }
 
     /// Displacement, stress and its invariants at a point.
@@ -200,72 +232,102 @@ impl GridFunctionals {
 }
 
 impl Duals {
-    /// The numbers with their differences; `held` says which fine unknowns are held.
-    pub fn quantities(&self, scene: &Scene, solved: &GridSolved, acting: &Acting, held: &[bool]) -> Vec<GridQuantity> {
+    /// The numbers with their differences.
+    fn quantities(&self, scene: &Scene, solved: &GridSolved) -> Vec<GridQuantity> {
         let (mut u, mut of_coarse) = (Cow::Borrowed(&solved.displacement), Vec::new());
         if let Some(coarse) = &solved.coarse {
-            let (load, forces) = (acting.loads.nodal(&solved.body), solved.body.forces(&solved.displacement));
+            let (load, forces) = (self.acting.loads.nodal(&solved.body), solved.body.forces(&solved.displacement));
             let residual: Vec<f64> = load.iter().zip(&forces).map(|(f, ku)| f - ku).collect();
-            let c = fine_correction(&solved.body, &residual, held, ENOUGH);
-            of_coarse = self.of_coarse_cells(solved, &coarse.mesh, &residual, &c);
+            let c = fine_correction(&solved.body, &residual, &self.is_held, ENOUGH);
+            of_coarse = self.of_coarse_cells(solved, coarse, &residual, &c);
             u.to_mut().iter_mut().zip(&c).for_each(|(u, c)| *u += c);
         }
-        let of_cells = self.of_fine_cells(scene, &solved.body, &u, acting);
+        let of_cells = self.of_fine_cells(scene, &solved.body, &u);
+        let count = self.solutions.len();
         let number = |Number { value, sum }: &Number| GridQuantity {
             value: *value,
-            fine_grid: difference(sum, &of_cells),
-            multiscale: if of_coarse.is_empty() { 0.0 } else { difference(sum, &of_coarse) },
+            fine_grid: difference(sum, &of_cells, count),
+            multiscale: difference(sum, &of_coarse, count),
         };
         self.functionals.numbers.iter().map(number).collect()
     }
 
-    /// η_T of each fine cell, for each functional; u is the solution on the fine grid.
-    fn of_fine_cells(&self, scene: &Scene, body: &HeterogeneousBody, u: &[f64], acting: &Acting) -> Vec<Vec<f64>> {
-        let Acting { loads, tractions, fine, .. } = acting;
+    /// η_T of the functionals in each fine cell, one cell after the other; u is the solution on the fine grid.
+    fn of_fine_cells(&self, scene: &Scene, body: &HeterogeneousBody, u: &[f64]) -> Vec<f64> {
+        let Acting { loads, tractions, fine, .. } = &self.acting;
         let given = |cell: usize, side: usize| tractions.get(&(cell, side)).copied().unwrap_or([Some(0.0); 2]);
-        let free = |cell: usize, side: usize| given(cell, side).map(|t| t.map(|_| 0.0));
         let missed = missed(scene, body, fine);
         let held = |cell: usize, side: usize| missed.get(&(cell, side)).copied().unwrap_or_default();
-        let not_more = |_: usize, _: usize| [0.0; 2];
-        let primal = BubbleResidual { body_force: &loads.body, u, traction: &given, held: &held, of_cell: None };
-        let duals: Vec<BubbleResidual<'_>> = (self.functionals.functionals.iter().zip(&self.solutions))
-            .map(|(functional, z)| BubbleResidual {
-                body_force: &[],
-                u: z,
-                traction: &free,
-                held: &not_more,
-                of_cell: functional.of_cell,
-            })
+        let primal = BubbleResidual { body_force: &loads.body, u, traction: &given, held: &held };
+        let nothing = |_: usize, _: usize| [0.0; 2];
+        let duals: Vec<BubbleDual<'_>> = (self.functionals.functionals.iter().zip(&self.solutions))
+            .map(|(functional, z)| BubbleDual { z, traction: &nothing, held: &nothing, of_cell: functional.of_cell })
             .collect();
         bubble_weighted_residuals(body, &primal, &duals)
     }
 
-    /// J(u_h) - J(u_H) by coarse cells, for each functional: -ρ_z·c with c = u_h - u_H at the nodes of each, and last what J of the fine
-    /// field differs from the number that is told. `residual` is f - K u_H.
-    fn of_coarse_cells(&self, solved: &GridSolved, mesh: &CoarseMesh, residual: &[f64], c: &[f64]) -> Vec<Vec<f64>> {
+    /// J(u_h) - J(u_H) of the functionals in each coarse cell, one cell after the other: -ρ_z·c at its nodes with c = u_h - u_H; and last what
+    /// J of the fine field differs from the number that is told. `residual` is f - K u_H.
+    fn of_coarse_cells(&self, solved: &GridSolved, coarse: &CoarseSolved, residual: &[f64], c: &[f64]) -> Vec<f64> {
         let body = &solved.body;
-        let mut count = vec![0.0; body.grid.nodes()];
-        mesh.cells.iter().flat_map(|cell| cell.fine_nodes(&body.grid)).for_each(|node| count[node] += 1.0);
-        let of = |(functional, z): (&GridFunctional, &Vec<f64>)| {
-            let (load, forces) = (functional.load.nodal(body), body.forces(z));
-            let at = |node: usize| -> f64 {
-                [2 * node, 2 * node + 1].map(|i| (forces[i] - load[i]) * c[i]).iter().sum::<f64>() / count[node]
+        let functionals = || self.functionals.functionals.iter().zip(&self.solutions);
+        // -j of each functional at the nodes of its cells
+        let load_at = |functional: &GridFunctional, node: usize, k: usize| -> f64 {
+            let of_cell = |(&cell, load): (&usize, &[f64; 8])| {
+                let local = body.grid.cell_nodes(cell).iter().position(|&own| own == node);
+                local.map_or(0.0, |a| load[2 * a + k])
             };
-            let mut all: Vec<f64> = mesh.cells.iter().map(|cell| cell.fine_nodes(&body.grid).map(at).sum()).collect();
-            let of_field: f64 = load.iter().zip(&solved.displacement).map(|(f, u)| -f * u).sum();
+            functional.load.boundary.iter().map(of_cell).sum()
+        };
+        let mut all = Vec::new();
+        for nodes in residual_nodes(body, coarse) {
+            let mut etas = vec![0.0; self.solutions.len()];
+            for (node, share) in nodes {
+                let own = [0, 1].map(|k| share * c[2 * node + k]);
+                let weights = body.weights_at(node, own);
+                for ((functional, z), eta) in functionals().zip(&mut etas) {
+                    let of_cell = |(nodes, weights): &([usize; 4], [f64; 8])| -> f64 {
+                        (0..8).map(|a| weights[a] * z[2 * nodes[a / 2] + a % 2]).sum()
+                    };
+                    *eta += weights.iter().map(of_cell).sum::<f64>();
+                    *eta -= (0..2).map(|k| load_at(functional, node, k) * own[k]).sum::<f64>();
+                }
+            }
+            all.append(&mut etas);
+        }
+        for (functional, z) in functionals() {
+            let of_cell = |(&cell, load): (&usize, &[f64; 8])| -> f64 {
+                body.cell_values(&solved.displacement, cell).iter().zip(load).map(|(u, f)| -f * u).sum()
+            };
+            let of_field: f64 = functional.load.boundary.iter().map(of_cell).sum();
             let of_forces: f64 = z.iter().zip(residual).map(|(z, r)| -z * r).sum();
             all.push(of_field + of_forces - functional.value);
-            all
-        };
-        self.functionals.functionals.iter().zip(&self.solutions).map(of).collect()
+        }
+        all
     }
 }
 
-/// max(|Σ η|, ½ Σ |η|) of a sum of functionals.
-fn difference(sum: &[(usize, f64)], of_functionals: &[Vec<f64>]) -> f64 {
-    let cells = sum.first().map_or(0, |&(k, _)| of_functionals[k].len());
-    let eta = |c: usize| sum.iter().map(|&(k, weight)| weight * of_functionals[k][c]).sum::<f64>();
-    let (whole, size) = (0..cells).map(eta).fold((0.0, 0.0), |(whole, size), eta| (whole + eta, size + eta.abs()));
+/// The nodes of each coarse cell at which a dual solution has a residual, with the share that the cell has in it: those on its edges if the
+/// basis solves the equations inside.
+fn residual_nodes(body: &HeterogeneousBody, coarse: &CoarseSolved) -> Vec<Vec<(usize, f64)>> {
+    let on_edges = matches!(coarse.basis, Basis::Coupled | Basis::Oscillatory);
+    let of_cell = |cell: &CoarseCell| -> Vec<usize> {
+        let [m, n] = cell.size;
+        let on_edge = |k: usize| [0, m].contains(&(k % (m + 1))) || [0, n].contains(&(k / (m + 1)));
+        let nodes = cell.fine_nodes(&body.grid).enumerate();
+        nodes.filter(|(k, _)| !on_edges || on_edge(*k)).map(|(_, node)| node).collect()
+    };
+    let nodes: Vec<Vec<usize>> = coarse.mesh.cells.iter().map(of_cell).collect();
+    let mut count = vec![0.0; body.grid.nodes()];
+    nodes.iter().flatten().for_each(|&node| count[node] += 1.0);
+    nodes.into_iter().map(|own| own.into_iter().map(|node| (node, 1.0 / count[node])).collect()).collect()
+}
+
+/// max(|Σ η|, ½ Σ |η|) of a sum of functionals, of which each cell has `count`.
+fn difference(sum: &[(usize, f64)], of_cells: &[f64], count: usize) -> f64 {
+    let cells = of_cells.chunks_exact(count.max(1));
+    let etas = cells.map(|etas| sum.iter().map(|&(k, weight)| weight * etas[k]).sum::<f64>());
+    let (whole, size) = etas.fold((0.0, 0.0), |(whole, size), eta| (whole + eta, size + eta.abs()));
     f64::max(whole.abs(), OF_WEIGHTED * size)
 }
 

@@ -4,7 +4,6 @@ use steklov_coupling::InterfaceIndicators;
 use steklov_msfem::{CrossingContrast, Indicators};
 use steklov_problem::Indicator;
 
-use super::duals::GridQuantity;
 use crate::doubt::Doubt;
 use crate::estimators::{Estimator, Estimators, IN_CELLS, IN_COARSE_CELLS, ON_INTERFACE};
 
@@ -44,8 +43,6 @@ pub struct GridEstimate {
     pub inside: f64,
     /// Largest ratio of moduli between the pairs of opposite cells that meet at a fine node, as on a checkerboard.
     pub crossed: f64,
-    /// The numbers of the scene with the parts of their errors; empty where they are not known.
-    pub quantities: Vec<GridQuantity>,
 }
 
 impl GridEstimate {

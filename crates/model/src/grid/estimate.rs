@@ -122,7 +122,6 @@ pub(super) fn estimate(
         crossing,
         inside,
         crossed: contrast_crossed(body),
-        quantities: Vec::new(),
     }))
 }
 

@@ -105,10 +105,12 @@ impl Model for OnGrid {
         run.with_outcomes(solved)
     }
 
+    fn release(solved: &mut GridSolved) {
+        solved.without_duals();
+    }
+
     fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a> {
-        let estimates: Vec<&GridEstimate> =
-            run.progress.steps.iter().filter_map(|step| step.estimate.as_ref()).collect();
-        answer::report(scene, &run.last, &estimates)
+        answer::report(scene, &run.last)
     }
 
     fn at(solved: &GridSolved, spot: Spot, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {

@@ -1,9 +1,12 @@
 //! A solved grid.
 
+use std::sync::{Mutex, OnceLock};
+
 use steklov_coupling::InterfaceIndicators;
 use steklov_elastic::RigidMotion;
 use steklov_msfem::{Basis, CoarseMesh, HeterogeneousBody};
 
+use super::duals::{DualData, GridQuantity};
 use super::error_parts::GridEstimate;
 use super::trace::GridTrace;
 use crate::energies::Energies;
@@ -48,6 +51,9 @@ pub struct GridSolved {
     pub(crate) interface: Option<InterfaceIndicators>,
     /// The part of the jump of the displacement that its nodes miss, an energy for each boundary element.
     pub(crate) jump_oscillation: Vec<f64>,
+    /// What the dual problems of its numbers take, and these numbers once they are known.
+    pub(super) dual_data: Mutex<Option<DualData>>,
+    pub(super) quantities: OnceLock<Vec<GridQuantity>>,
 }
 
 /// The coarse part of a multiscale solution.

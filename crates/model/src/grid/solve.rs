@@ -1,5 +1,6 @@
 //! One grid solved: bilinear elements on all its cells, or multiscale elements on coarse ones.
 
+use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 use steklov_contact::ContactBoundary;
@@ -9,7 +10,7 @@ use steklov_problem::Scene;
 
 use super::cells::{basis, body};
 use super::coupled::solve_coupled;
-use super::duals::Duals;
+use super::duals::{DualData, Factors};
 use super::estimate::estimate;
 use super::layout::GridLayout;
 use super::loads::{Tractions, check_gaps, loads};
@@ -37,15 +38,12 @@ pub fn solve_grid(
     let body = body(scene, layout)?;
     let acting = Acting::new(scene, layout, &body)?;
     let set_up = clock.elapsed().as_secs_f64();
-    let (mut solved, held, duals) = solve_unestimated(scene, layout, body, &acting, true, observe)?;
+    let Unestimated { mut solved, is_held, factors } = solve_unestimated(scene, layout, body, &acting, observe)?;
     solved.seconds.set_up += set_up;
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.9))?;
-    let quantities = duals.map_or(Vec::new(), |duals| duals.quantities(scene, &solved, &acting, &held));
-    solved.estimate = estimate(scene, &solved, &acting.loads, acting.tractions, &held)?;
-    if let Some(estimate) = &mut solved.estimate {
-        estimate.quantities = quantities;
-    }
+    solved.estimate = estimate(scene, &solved, &acting.loads, acting.tractions.clone(), &is_held)?;
+    solved.dual_data = Mutex::new(factors.map(|factors| DualData { acting, is_held, factors }));
     if solved.estimate.as_ref().is_some_and(|e| !e.error.is_finite()) {
         return Err(SolveError::NotFinite { energy: solved.energies.total });
     }
@@ -64,11 +62,11 @@ pub(crate) fn solve_once(
 ) -> Result<GridSolved, SolveError> {
     let body = body(scene, layout)?;
     let observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError> = &mut |_| Ok(());
-    let (solved, ..) = match acting {
-        Some(acting) => solve_unestimated(scene, layout, body, acting, false, observe)?,
+    let solved = match acting {
+        Some(acting) => solve_unestimated(scene, layout, body, acting, observe)?.solved,
         None => {
             let acting = Acting::new(scene, layout, &body)?;
-            solve_unestimated(scene, layout, body, &acting, false, observe)?
+            solve_unestimated(scene, layout, body, &acting, observe)?.solved
         }
     };
     Ok(solved)
@@ -115,32 +113,39 @@ fn on_boundary(scene: &Scene, trace: &GridTrace) -> Result<(Vec<Held>, Option<Co
     Ok((held, boundary))
 }
 
-/// The solution, the fine unknowns that are held, and the dual solutions of the numbers of the scene where they are `wanted` and known.
-type Unestimated = (GridSolved, Vec<bool>, Option<Duals>);
+/// A solution without an estimate.
+struct Unestimated {
+    solved: GridSolved,
+    /// Which fine unknowns are held.
+    is_held: Vec<bool>,
+    /// For the dual problems of a body without a medium.
+    factors: Option<Factors>,
+}
 
 fn solve_unestimated(
     scene: &Scene,
     layout: &GridLayout,
     body: HeterogeneousBody,
     acting: &Acting,
-    wanted: bool,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<Unestimated, SolveError> {
     let Acting { fine, loads, on_fine, .. } = acting;
-    let (solved, held, duals) = match (scene.surroundings(), &layout.coarse, on_fine) {
+    let unestimated = match (scene.surroundings(), &layout.coarse, on_fine) {
         (Some(medium), ..) => {
-            let held = vec![false; body.grid.dofs()];
-            (solve_coupled(scene, medium, body, fine.clone(), loads, layout, observe)?, held, None)
+            let is_held = vec![false; body.grid.dofs()];
+            let solved = solve_coupled(scene, medium, body, fine.clone(), loads, layout, observe)?;
+            Unestimated { solved, is_held, factors: None }
         }
-        (None, Some(cells), _) => solve_coarse(scene, body, (fine, cells.clone()), loads, wanted, observe)?,
-        (None, None, Some(on_fine)) => solve_fine(scene, body, (fine.clone(), on_fine), loads, wanted, observe)?,
+        (None, Some(cells), _) => solve_coarse(scene, body, fine, loads, cells.clone(), observe)?,
+        (None, None, Some(on_fine)) => solve_fine(scene, body, fine.clone(), loads, on_fine, observe)?,
         (None, None, None) => unreachable!("what acts on a fine grid alone has its supports"),
     };
+    let solved = &unestimated.solved;
     let Energies { total, strain, load_work, .. } = solved.energies;
     if [total, strain, load_work].iter().chain(&solved.displacement).any(|v| !v.is_finite()) {
         return Err(SolveError::NotFinite { energy: total });
     }
-    Ok((solved, held, duals))
+    Ok(unestimated)
 }
 
 /// Stress as a traction on element e, times half its length: the moment against one end.
@@ -183,9 +188,9 @@ fn held_unknowns(grid: &Grid, trace: &GridTrace, held: &[Held]) -> Vec<bool> {
 fn solve_fine(
     scene: &Scene,
     body: HeterogeneousBody,
-    (trace, (held, boundary)): (GridTrace, &(Vec<Held>, Option<ContactBoundary>)),
+    trace: GridTrace,
     loads: &Loads,
-    wanted: bool,
+    (held, boundary): &(Vec<Held>, Option<ContactBoundary>),
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<Unestimated, SolveError> {
     let clock = Instant::now();
@@ -210,9 +215,6 @@ fn solve_fine(
     let answer = system.solve(scene, &trace, held, boundary.clone(), &traction, observe)?;
     let factorise = clock.elapsed().as_secs_f64();
     let is_held = held_unknowns(grid, &trace, held);
-    let clock = Instant::now();
-    let duals = if wanted { Duals::on_fine(scene, &body, &answer, (&trace.space, held)) } else { None };
-    let estimate_seconds = clock.elapsed().as_secs_f64();
     let solved = GridSolved {
         dofs: grid.dofs(),
         energies: energies(&answer, answer.energy / 2.0, answer.work),
@@ -224,15 +226,18 @@ fn solve_fine(
         free_motions: answer.free_motions,
         estimate: None,
         seconds: Seconds { assemble, factorise, ..Seconds::default() },
-        estimate_seconds,
+        estimate_seconds: 0.0,
         coarse: None,
         trace,
         body,
         around: None,
         interface: None,
         jump_oscillation: Vec::new(),
+        dual_data: Mutex::default(),
+        quantities: OnceLock::new(),
     };
-    Ok((solved, is_held, duals))
+    let factors = Some(Factors { elimination: answer.elimination, held: held.clone(), coarse: None });
+    Ok(Unestimated { solved, is_held, factors })
 }
 
 /// Relative difference of prescribed displacements that counts as rounding.
@@ -382,9 +387,9 @@ fn coarse_system(
 fn solve_coarse(
     scene: &Scene,
     body: HeterogeneousBody,
-    (fine, cells): (&GridTrace, Vec<CoarseCell>),
+    fine: &GridTrace,
     loads: &Loads,
-    wanted: bool,
+    cells: Vec<CoarseCell>,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<Unestimated, SolveError> {
     let clock = Instant::now();
@@ -423,13 +428,9 @@ fn solve_coarse(
     let (strain, load_work) = field_energies(&problem, &displacement, &answer.displacement, loads, &extra)?;
     let solve = clock.elapsed().as_secs_f64();
     let is_held = held_unknowns(grid, fine, &fine_held);
-    let clock = Instant::now();
-    let boundaries = [(fine, &fine_held[..]), (&trace, &held[..])];
-    let duals = if wanted { Duals::on_coarse(scene, &problem, (&answer, &displacement), boundaries)? } else { None };
-    let estimate_seconds = clock.elapsed().as_secs_f64();
     let (dofs, patterns) = (problem.dofs(), problem.patterns());
     let mut vertices = problem.vertex_displacement(&answer.displacement).into_flattened();
-    let mesh = problem.mesh;
+    let (mesh, bases) = problem.into_bases();
     let mut boundary_displacement = at_nodes(&answer.displacement, &at_boundary);
     let (at_vertices, on_trace) = ((&mut vertices[..], &mesh.vertices[..]), (&mut boundary_displacement[..], &trace));
     without_free_motions(grid, &mut displacement, at_vertices, on_trace, &answer.free_motions);
@@ -444,7 +445,7 @@ fn solve_coarse(
         free_motions: answer.free_motions,
         estimate: None,
         seconds: Seconds { set_up, assemble, factorise, solve, enrich: 0.0 },
-        estimate_seconds,
+        estimate_seconds: 0.0,
         coarse: Some(CoarseSolved {
             mesh,
             basis,
@@ -458,6 +459,9 @@ fn solve_coarse(
         around: None,
         interface: None,
         jump_oscillation: Vec::new(),
+        dual_data: Mutex::default(),
+        quantities: OnceLock::new(),
     };
-    Ok((solved, is_held, duals))
+    let factors = Some(Factors { elimination: answer.elimination, held: fine_held, coarse: Some((bases, held)) });
+    Ok(Unestimated { solved, is_held, factors })
 }

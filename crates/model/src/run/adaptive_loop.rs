@@ -95,6 +95,9 @@ pub trait Model: Debug + Clone + PartialEq {
     /// Why the run ends after the last of the steps, if it does; `next` is the next layout, if anything is refined.
     fn end(scene: &Scene, steps: &[Step<Self>], solved: &Self::Solved, next: Option<&Self::Layout>) -> Option<Reason>;
 
+    /// Frees what the report of a solution alone needs, before the next step.
+    fn release(_: &mut Self::Solved) {}
+
     /// The report of the last solution.
     fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a>;
 
@@ -312,6 +315,8 @@ pub fn run<M: Model>(
         if let Some(reason) = end.or(interrupted) {
             return Ok(Run { last: solved, matrices: Some(matrices), progress, reason, error: None, clock });
         }
+        let mut solved = solved;
+        M::release(&mut solved);
         last = Some(solved);
     }
 }

@@ -6,7 +6,7 @@ use steklov_io::{
     load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_vector, vtkhdf,
 };
 use steklov_model::estimators::IN_COARSE_CELLS;
-use steklov_model::grid::{GridEstimate, GridLayout, GridQuantity, OnGrid};
+use steklov_model::grid::{GridEstimate, GridLayout, OnGrid};
 use steklov_model::run::adaptive_loop::Step;
 use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Grid, HeterogeneousBody, Indicators};
 
@@ -18,8 +18,6 @@ const AROUND: &str = "boundary_elements";
 const INTERFACE: &str = "interface";
 const IN_CELLS: &str = "cell_residuals";
 const JUMP: &str = "interface_jump";
-/// Numbers with the parts of their errors.
-const QUANTITIES: &str = "quantity_parts";
 const COARSE: &str = "first fine cell along x and y, fine cells along x and y";
 
 fn save_cells(at: &Group, cells: &[CoarseCell]) -> Result<(), IoError> {
@@ -129,12 +127,6 @@ pub(crate) fn save_step(at: &Group, step: &Step<OnGrid>) -> Result<(), IoError> 
     }
     if let Some(terms) = &estimate.interface {
         save(at, INTERFACE, terms)?;
-    }
-    if !estimate.quantities.is_empty() {
-        let names = "value; difference to the exact solution that the fine grid makes, and that coarse cells make";
-        let numbers: Vec<[f64; 3]> = estimate.quantities.iter().map(|q| [q.value, q.fine_grid, q.multiscale]).collect();
-        let table = Mat::from_fn(numbers.len(), 3, |i, j| numbers[i][j]);
-        save_dense(at, QUANTITIES, table.as_ref(), &label("as each", names, &["quantity", "part"]))?;
     }
     let Some(crossing) = &estimate.crossing else { return Ok(()) };
     let names = "largest ratio of moduli along a coarse edge, x and y of its middle, share of edges with a ratio of 100 or more";
@@ -253,20 +245,6 @@ fn load_step(at: &Group) -> Result<Step<OnGrid>, IoError> {
     })
 }
 
-/// The quantities of a step; older files have none.
-fn load_quantities(at: &Group) -> Result<Vec<GridQuantity>, IoError> {
-    if !at.link_exists(QUANTITIES) {
-        return Ok(Vec::new());
-    }
-    let table = load_dense(at, QUANTITIES)?;
-    if table.ncols() != 3 {
-        return Err(invalid(at, QUANTITIES, format!("{} columns, not 3", table.ncols())));
-    }
-    let quantity =
-        |i: usize| GridQuantity { value: table[(i, 0)], fine_grid: table[(i, 1)], multiscale: table[(i, 2)] };
-    Ok((0..table.nrows()).map(quantity).collect())
-}
-
 /// The estimate of a step that has one, on `cells` coarse cells.
 fn load_estimate(at: &Group, cells: usize) -> Result<GridEstimate, IoError> {
     let terms = load_vector(at, "estimate_terms")?;
@@ -317,7 +295,6 @@ fn load_estimate(at: &Group, cells: usize) -> Result<GridEstimate, IoError> {
         None
     };
     let (indicators, error) = (column("squared")?, load_number(at, "estimate")?);
-    let quantities = load_quantities(at)?;
     Ok(GridEstimate {
         indicators,
         residual,
@@ -332,6 +309,5 @@ fn load_estimate(at: &Group, cells: usize) -> Result<GridEstimate, IoError> {
         crossing,
         inside,
         crossed,
-        quantities,
     })
 }
