@@ -61,6 +61,59 @@ fn a_known_field_is_inside_its_bars_on_every_grid() {
     assert!(widest.iter().step_by(5).all(|bar| *bar < 2e-4), "{widest:?}");
 }
 
+/// The same field: the work of the traction on y(y - 1) along x = 1 is -(1/π - 8/π³), the mean displacement there 1/π.
+#[test]
+fn the_work_of_a_varying_support_is_inside_its_bar_on_every_grid() {
+    use std::f64::consts::PI;
+    let exact = [("weighted_force.shear", 8.0 / PI.powi(3) - 1.0 / PI), ("mean_displacement.pull.x", 1.0 / PI)];
+    let text = format!(
+        "{SQUARE}material = {{ young = {}, poisson = {} }}
+         sides.left.displacement = [0, 0]\nsides.lower.displacement = [0, 0]\nsides.upper.displacement = [0, 0]\n         sides.right.displacement = [\"y*sin(pi*y)\", 0]\n         quantities.shear = {{ weighted_force = \"right\", weight = [0, \"y*(y - 1)\"] }}\n         quantities.pull = {{ mean_displacement = \"right\" }}\n         body_force.value = [\"-x*(2*pi*cos(pi*y) - pi^2*y*sin(pi*y))\", \"-101*(sin(pi*y) + pi*y*cos(pi*y))\"]\n",
+        302.0 / 101.0,
+        50.0 / 101.0,
+    );
+    let mut least = [f64::INFINITY; 2];
+    let grids =
+        [8, 16, 32, 64].map(|n| format!("grid = {{ coarse = [{n}, {n}], fine = [1, 1] }}\nmethod.model = \"fem\"\n"));
+    let coarse = ["coupled", "oscillatory"].map(|basis| {
+        format!("grid = {{ coarse = [8, 8], fine = [8, 8], basis = \"{basis}\" }}\nmethod.model = \"msfem\"\n")
+    });
+    for grid in grids.iter().chain(&coarse) {
+        let summary = solved(&format!("{text}{grid}"));
+        for ((path, exact), least) in exact.iter().zip(&mut least) {
+            let Quantity { value, uncertainty, .. } = summary.quantities[*path];
+            let error = (value - exact).abs();
+            println!("{path}: {value} ± {uncertainty:.1e}, off by {error:.1e}, {grid}");
+            assert!(error <= uncertainty, "{path}: {error:e} and {uncertainty:e}, {grid}");
+            *least = least.min(uncertainty);
+        }
+    }
+    assert!(least[0] < 3e-4 && least[1] < 1e-4, "{least:?}");
+}
+
+/// Weights that are rigid motions give forces and moments, on grids and with boundary elements.
+#[test]
+fn weights_that_are_rigid_motions_give_forces_and_moments() {
+    let text = format!(
+        "{SQUARE}material = {{ young = 10, poisson = 0.3 }}\nsides.left.displacement = [0, 0]\n         sides.right.traction = [0.2, \"1 + y\"]\nsides.upper.traction = [0, -0.5]\n         quantities.up = {{ weighted_force = \"left\", weight = [0, 1] }}\n         quantities.about = {{ weighted_force = \"left\", weight = [\"0.25 - y\", \"x - 3\"] }}\n         quantities.turns = {{ moment = \"left\", about = [3, 0.25] }}\n"
+    );
+    let grid = "grid = { coarse = [4, 4], fine = [4, 4] }\n";
+    let of = |model: &str| {
+        let scene = parse(&format!("{text}{model}"), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+        if model.contains("grid") { on_grid(&scene) } else { summary(&scene) }
+    };
+    for model in ["", &format!("{grid}method.model = \"fem\"\n"), &format!("{grid}method.model = \"msfem\"\n")] {
+        let summary = of(model);
+        let [up, about] = ["up", "about"].map(|name| summary.named.weighted_force[name]);
+        assert!((up - summary.reactions["left"][1]).abs() < 1e-9 && (up + 1.0).abs() < 1e-9, "{model}: {up}");
+        let turns = summary.named.moment["turns"];
+        // the loads on the right side about (3, 0.25): -2 (1.5) + 0.2 (0.25 - 0.5); on the upper one -2.5 (-0.5)
+        let exact = -(-2.0 * 1.5 - 0.2 * 0.25 + 2.5 * 0.5);
+        assert!((about - turns).abs() < 1e-9 && (turns - exact).abs() < 1e-9, "{model}: {about}, {turns}, {exact}");
+        assert!(bar(&summary, "weighted_force.about").is_some_and(|[_, bar]| bar < 1e-7), "{model}");
+    }
+}
+
 /// A rectangle of 2 by 1, held on the left and loaded on the right and above; every second one of random cells.
 fn random_body(random: &mut Random, cells: bool) -> String {
     let mut number = |low: f64, high: f64| random.between(low, high);

@@ -1,11 +1,14 @@
 //! Numbers that scenes ask for by names, judged by closed forms, equilibrium and other ways to them.
 
+use std::f64::consts::PI;
+
 use steklov_model::quantities::Quantity;
 use steklov_model::run::adaptive_loop::Run;
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::run::expect::check_expect;
 use steklov_model::summary::Summary;
 use steklov_problem::Scene;
+use steklov_quadrature::gauss_legendre;
 use steklov_tests::{adapt, parse, scene};
 
 fn solved(scene: &Scene) -> Summary {
@@ -43,6 +46,25 @@ fn numbers_of_westergaards_wave_are_inside_their_bars() {
         }
     }
     assert!(last.iter().zip([1e-4, 1e-5, 1e-8, 1e-7, 1e-6]).all(|(bar, most)| *bar < most), "{last:?}");
+}
+
+/// With sin πx = sin πa sin θ Westergaard's pressure is (2p̄/π) cos²θ dθ: its work on sin 20x is a smooth integral.
+#[test]
+fn the_work_of_westergaards_pressure_on_a_wave_is_inside_its_bar() {
+    let (mean, rule) = (0.017_261_498_096_647_21, gauss_legendre(60).mapped(0.0, PI / 2.0));
+    let of = |(theta, weight): (&f64, &f64)| {
+        let x = ((PI / 4.0).sin() * theta.sin()).asin() / PI;
+        weight * 2.0 * mean / PI * theta.cos().powi(2) * (20.0 * x).sin()
+    };
+    let exact: f64 = rule.points.iter().zip(&rule.weights).map(of).sum();
+    let wave = "quantities.wave={ weighted_force = \"floor\", weight = [0, \"sin(20*x)\"] }";
+    for (tolerance, most) in [(1e-3, 1e-4), (1e-5, 1e-6)] {
+        let summary = solved(&scene("76-numbers-by-names", &[&format!("method.tolerance={tolerance}"), wave]));
+        let Quantity { value, uncertainty, .. } = summary.quantities["weighted_force.wave"];
+        let error = (value - exact).abs();
+        println!("{tolerance:e}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+        assert!(error <= 2.0 * uncertainty && uncertainty < most * exact.abs(), "{error:e} and {uncertainty:e}");
+    }
 }
 
 /// The moments of all reactions and of the loads about a point add up to zero: about the corner of a plate, and with a curved support.
@@ -113,9 +135,28 @@ fn what_is_none_of_the_scene_is_refused() {
         ("quantities.o = { opening_at = [1, 0] }", "no second surface", "crack"),
         ("quantities.\"1 2\" = { opening_at = [1, 0] }", "the name \"1 2\"", "letters"),
         (
-            "quantities.u = { mean_displacement = \"top\" }\ngrid = { coarse = [2, 1], fine = [4, 4] }\nmethod.model = \"msfem\"",
+            "quantities.u = { pressure_at = [0, 0.5] }\ngrid = { coarse = [2, 1], fine = [4, 4] }\nmethod.model = \"msfem\"",
             "the body is on a grid",
             "[probe]",
+        ),
+        ("quantities.w = { weighted_force = \"left\" }", "quantities.w.weight is missing", "weight = [\"1\", \"0\"]"),
+        (
+            "quantities.w = { moment = \"left\", about = [0, 0], weight = [1, 0] }",
+            "stands without weighted_force",
+            "remove",
+        ),
+        ("quantities.w = { weighted_force = \"left\", weight = [\"s\", 0] }", "uses s", "use x and y"),
+        (
+            "quantities.w = { weighted_force = \"left\", weight = [\"1/(y - 0.5)\", 0] }",
+            "not finite at (0, 0.5)",
+            "finite",
+        ),
+        ("quantities.w = { weighted_force = \"top\", weight = [1, 0] }", "nothing but given loads", "support"),
+        (
+            "sides.floor.contact.gap = 0\nquantities.w = { weighted_force = \"floor\", weight = [1, 0] }\n\
+             grid = { coarse = [2, 1], fine = [4, 4] }\nmethod.model = \"msfem\"",
+            "on a grid a weighted force is that of a support",
+            "whose displacement is given",
         ),
         (
             "quantities.u = { mean_displacement = \"top\" }\nexpect.\"mean_displacement.v.x\" = { value = 0, tol = 1 }",

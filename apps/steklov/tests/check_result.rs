@@ -46,6 +46,7 @@ const KINDS: [Kind; 27] = [
             "quantities.middle={ pressure_at = [0.05, 0] }",
             "quantities.sinks={ mean_displacement = \"top\" }",
             "quantities.turns={ moment = \"floor\", about = [0, 0] }",
+            "quantities.works={ weighted_force = \"floor\", weight = [0, \"x\"] }",
             "quantities.opens={ opening_at = [0.2, 0] }",
         ],
         CONTACT,

@@ -29,6 +29,7 @@ sides = ["top"]
 press = { pressure_at = [<0.4 L>, 0] }
 sinks = { mean_displacement = "top" }
 turns = { moment = "floor", about = [0, 0] }
+works = { weighted_force = "floor", weight = [0, 2] }
 opens = { opening_at = [<1.9 L>, 0] }
 [method]
 max_steps = 3

@@ -231,7 +231,7 @@ fn scene(
     let probe::Probes { points: probe, lines: probe_lines, sides: probe_sides } =
         fields.get("probe").map_or_else(|| Ok(Default::default()), |p| probe::probe(&p, &problem))?;
     let quantities =
-        fields.get("quantities").map_or_else(|| Ok(Vec::new()), |q| quantities::quantities(&q, &problem))?;
+        fields.get("quantities").map_or_else(|| Ok(Vec::new()), |q| quantities::quantities(&q, &problem, &context))?;
     let mut expect = Vec::new();
     if let Some(field) = fields.get("expect") {
         method::expect(&field, "", &mut expect)?;

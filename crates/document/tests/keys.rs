@@ -29,6 +29,7 @@ const MORE: [&str; 8] = [
     quantities.sinks = { mean_displacement = "a" }
     quantities.turns = { moment = "a", about = [0, 0] }
     quantities.opens = { opening_at = [0, 0] }
+    quantities.works = { weighted_force = "a", weight = ["x", 0] }
     expect.energy = { value = 1.0, tol = 0.1 }
     expect.contact.length = { value = 1.0, tol = 0.1, source = "here" }
     [method]

@@ -3,15 +3,15 @@
 //! ```text
 //! pressure            -n·t at a point, at a vertex the mean of both elements
 //! mean displacement   (1/L) ∫ u ds by Gauss's rule on each element
-//! moment              Σ_i (x_i - c) × R_i + ∫ (w - I_p w)·t ds,   w = (x - c) turned by 90°, R_i the forces that hold the nodes
+//! weighted force      Σ_i w_i·R_i + ∫ (w - I_p w)·t ds,   R_i the forces that hold the nodes; a moment has w = (x - c) turned by 90°
 //! opening             g - u_n against an obstacle, g + (u' - u)·d against the pair of a point along the direction d of contact
 //! ```
 //! A moment by the balance of nodal forces is 10 to 150 times nearer than ∫ (x - c) × t, which it is between bodies and with stabilised
-//! multipliers; w - I_p w is zero on straight elements.
+//! multipliers; its w - I_p w is zero on straight elements.
 
 use steklov_bem_operators::{Mesh, SAME_PLACE, Site};
 use steklov_contact::Located;
-use steklov_elastic::plane::{cross, dot, minus};
+use steklov_elastic::plane::{dot, minus};
 use steklov_problem::{Friction, Multiplier, QuantityKind, Surfaces};
 use steklov_quadrature::gauss_legendre;
 
@@ -27,7 +27,7 @@ pub(crate) fn components(kind: &QuantityKind) -> usize {
 }
 
 impl OnMesh<'_> {
-    /// The quantities of the scene in their order; `balance` are the moments of the nodal forces, in the order of the moments.
+    /// The quantities of the scene in their order; `balance` are the moments and weighted forces of the nodal forces.
     pub(crate) fn named(&self, field: &ElasticField<'_>, balance: &[f64]) -> Vec<f64> {
         let mut balance = balance.iter();
         let mut values = Vec::new();
@@ -35,9 +35,9 @@ impl OnMesh<'_> {
             match quantity.kind {
                 QuantityKind::PressureAt(x) => values.push(self.pressure(field, x)),
                 QuantityKind::MeanDisplacement(side) => values.extend(self.mean_displacement(field, side)),
-                QuantityKind::Moment { side, about } => {
+                QuantityKind::Moment { .. } | QuantityKind::WeightedForce { .. } => {
                     let of_nodes = balance.next().copied().unwrap_or(f64::NAN);
-                    values.push(of_nodes + self.moment_of_traction(field, side, about));
+                    values.push(of_nodes + self.work_of_traction(field, &quantity.kind));
                 }
                 QuantityKind::OpeningAt(x) => values.push(self.opening(field, x)),
             }
@@ -79,35 +79,37 @@ impl OnMesh<'_> {
         rule.points.iter().zip(&rule.weights).for_each(|(&t, &w)| call(t, w * self.mesh.speed(e, t)));
     }
 
-    /// Whether the moment of a side is that of its nodal forces, and not ∫ (x - c) × t; stabilised multipliers have none at nodes.
+    /// Whether the weighted force of a side is that of its nodal forces, and not ∫ w·t; stabilised multipliers have none at nodes.
     pub(crate) fn is_balanced(&self, side: usize) -> bool {
         let (problem, own) = (&self.scene.problem, &self.scene.problem.sides[side]);
         let touched = problem.contact(side).is_some() && self.scene.method.multiplier == Multiplier::Biorthogonal;
         own.holds(0) || own.holds(1) || own.springs.is_some() || touched
     }
 
-    /// ∫ w·t of a side, or the part of it that its nodes do not have.
-    fn moment_of_traction(&self, field: &ElasticField<'_>, side: usize, about: [f64; 2]) -> f64 {
+    /// ∫ w·t of a moment or weighted force, or the part of it that nodes do not have.
+    fn work_of_traction(&self, field: &ElasticField<'_>, kind: &QuantityKind) -> f64 {
+        let Some((side, w)) = kind.weighted_side() else { return f64::NAN };
         let balanced = self.is_balanced(side);
         // the forces of springs are integrals themselves
         if balanced && self.scene.problem.sides[side].springs.is_some() {
             return 0.0;
         }
+        // the nodes of straight elements have rotations
+        let is_whole = |e: usize| matches!(kind, QuantityKind::Moment { .. }) && self.mesh.is_line(e);
         let mut sum = 0.0;
-        for e in self.elements_of(side).filter(|&e| !balanced || !self.mesh.is_line(e)) {
+        for e in self.elements_of(side).filter(|&e| !balanced || !is_whole(e)) {
             let basis = self.space.basis(e);
-            let nodes: Vec<[f64; 2]> = self.space.element_nodes(e).map(|node| self.space.points[node]).collect();
-            let mut phi = vec![0.0; nodes.len()];
+            let of_nodes: Vec<[f64; 2]> = self.space.element_nodes(e).map(|node| w(self.space.points[node])).collect();
+            let mut phi = vec![0.0; of_nodes.len()];
             self.integrate(e, |t, ds| {
-                let mut arm = minus(self.mesh.point(e, t), about);
+                let mut rest = w(self.mesh.point(e, t));
                 if balanced {
                     basis.evaluate(t, &mut phi);
-                    nodes.iter().zip(&phi).for_each(|(x, phi)| {
-                        let of_node = minus(*x, about);
-                        (0..2).for_each(|i| arm[i] -= phi * of_node[i]);
-                    });
+                    for (w, phi) in of_nodes.iter().zip(&phi) {
+                        (0..2).for_each(|i| rest[i] -= phi * w[i]);
+                    }
                 }
-                sum += ds * cross(arm, self.reacting(side, field.traction(e, t), self.mesh.normal(e, t), balanced));
+                sum += ds * dot(rest, self.reacting(side, field.traction(e, t), self.mesh.normal(e, t), balanced));
             });
         }
         sum

@@ -20,7 +20,7 @@ const LEFT_OUT: [&str; 12] = [
 ];
 
 /// Objects whose keys are names of a scene.
-const OF_NAMES: [&str; 5] = ["reactions", "pressure", "mean_displacement", "moment", "opening"];
+const OF_NAMES: [&str; 6] = ["reactions", "pressure", "mean_displacement", "moment", "weighted_force", "opening"];
 
 /// Paths and values of the numbers of the JSON object of a result, a flag being 0 or 1; without what was asked for, long lists, seconds
 /// and memory. Of vectors the components are x and y, of stresses xx, yy and xy.

@@ -194,6 +194,7 @@ fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
         let sort = match kind {
             QuantityKind::PressureAt(_) => Kind::Stress,
             QuantityKind::Moment { .. } => Kind::Moment,
+            QuantityKind::WeightedForce { .. } => Kind::Force,
             QuantityKind::MeanDisplacement(_) | QuantityKind::OpeningAt(_) => Kind::Displacement,
         };
         let paths = if components(kind) == 2 { ["x", "y"].map(|i| format!("{path}.{i}")).to_vec() } else { vec![path] };
@@ -363,6 +364,7 @@ pub(crate) fn named(scene: &Scene, values: &[f64], infinite: impl Fn([f64; 2]) -
                 continue;
             }
             QuantityKind::Moment { .. } => &mut named.moment,
+            QuantityKind::WeightedForce { .. } => &mut named.weighted_force,
             QuantityKind::OpeningAt(_) => &mut named.opening,
         };
         group.insert(name.clone(), value);
@@ -436,8 +438,8 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
             }
             Of::Named(of) => {
                 let NamedQuantity { name, kind } = &scene.quantities[of];
-                if let QuantityKind::Moment { side, .. } = *kind
-                    && !(is_known(scene, side) && shared(scene, side) == [false; 2])
+                if let Some((side, w)) = kind.weighted_side()
+                    && !(is_known(scene, side) && works_alone(scene, side, w))
                 {
                     continue;
                 }
@@ -490,19 +492,33 @@ fn reacts(scene: &Scene, edge: &Edge) -> [bool; 2] {
     [0, 1].map(|k| held[k] || touched[k] || side.springs.is_some())
 }
 
-/// The components of the force of a side of which a corner has a part that is another side's as well: how much is whose is known to the
-/// mesh alone.
-fn shared(scene: &Scene, side: usize) -> [bool; 2] {
+/// The corners of a side at which both it and another side may have a component of a force: how much is whose is known to the mesh alone.
+fn shared_corners(scene: &Scene, side: usize) -> Vec<([f64; 2], [bool; 2])> {
     let outline = &scene.problem.outline;
     let edges = outline.edges();
-    let mut shared = [false; 2];
+    let mut corners = Vec::new();
     for k in (0..edges.len()).filter(|&k| edges[k].side == side) {
-        for (other, _) in [false, true].map(|rising| outline.neighbour(k, rising)) {
+        for at_end in [false, true] {
+            let (other, _) = outline.neighbour(k, at_end);
             if edges[other].side != side {
                 let (own, others) = (reacts(scene, &edges[k]), reacts(scene, &edges[other]));
-                (0..2).for_each(|i| shared[i] |= own[i] && others[i]);
+                corners.push((edges[k].point(f64::from(u8::from(at_end))), [0, 1].map(|i| own[i] && others[i])));
             }
         }
     }
-    shared
+    corners
+}
+
+/// The components of the force of a side of which a corner has a part that is another side's as well.
+fn shared(scene: &Scene, side: usize) -> [bool; 2] {
+    shared_corners(scene, side).iter().fold([false; 2], |all, (_, own)| [all[0] | own[0], all[1] | own[1]])
+}
+
+/// Whether the force of a side does no work on w where it shares a corner.
+fn works_alone(scene: &Scene, side: usize, w: impl Fn([f64; 2]) -> [f64; 2]) -> bool {
+    let moves = |&(x, shared): &([f64; 2], [bool; 2])| {
+        let w = w(x);
+        (0..2).any(|i| shared[i] && w[i] != 0.0)
+    };
+    !shared_corners(scene, side).iter().any(moves)
 }

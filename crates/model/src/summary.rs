@@ -124,6 +124,9 @@ pub struct Named {
     /// Moments of reactions of sides, anticlockwise (force per thickness times length).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub moment: BTreeMap<String, f64>,
+    /// ∫ w·t of reactions of sides (force per thickness).
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub weighted_force: BTreeMap<String, f64>,
     /// Distances of two surfaces in the deformed state.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub opening: BTreeMap<String, f64>,
@@ -132,7 +135,12 @@ pub struct Named {
 impl Named {
     /// Paths and numbers.
     pub fn numbers(&self) -> Vec<(String, f64)> {
-        let groups = [("pressure", &self.pressure), ("moment", &self.moment), ("opening", &self.opening)];
+        let groups = [
+            ("pressure", &self.pressure),
+            ("moment", &self.moment),
+            ("weighted_force", &self.weighted_force),
+            ("opening", &self.opening),
+        ];
         let single = |(group, all): (&str, &BTreeMap<String, f64>)| {
             all.iter().map(|(name, value)| (format!("{group}.{name}"), *value)).collect::<Vec<_>>()
         };

@@ -233,8 +233,8 @@ impl<'a> Bubbles<'a> {
             let (given, more) = ((dual.traction)(cell, side), (dual.held)(cell, side));
             for k in 0..2 {
                 let b = 2 * side + k;
-                work +=
-                    if is_held[b] { more[k] * left[b] } else { grid.spacing[side % 2] * 2.0 / 3.0 * given[k] * c[b] };
+                work += grid.spacing[side % 2] * 2.0 / 3.0 * given[k] * c[b];
+                work += if is_held[b] { more[k] * left[b] } else { 0.0 };
             }
         }
         if let Some((_, own)) = dual.of_cell.filter(|(loaded, _)| *loaded == cell) {

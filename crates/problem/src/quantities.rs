@@ -1,12 +1,13 @@
 //! Numbers that a scene asks for by names of its own.
 
-use steklov_bem_operators::{Location, SAME_PLACE};
+use steklov_bem_operators::{Edge, Location, SAME_PLACE};
 use steklov_elastic::plane::{cross, dot};
+use steklov_expression::Expression;
 
 use super::{DataError, DataErrorKind, Law, Problem, Scene};
 
 /// A number with a name.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct NamedQuantity {
     /// Its name.
     pub name: String,
@@ -15,7 +16,7 @@ pub struct NamedQuantity {
 }
 
 /// What a named number is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum QuantityKind {
     /// -n·σn at a point of the boundary (stress).
     PressureAt([f64; 2]),
@@ -28,6 +29,13 @@ pub enum QuantityKind {
         /// The point c.
         about: [f64; 2],
     },
+    /// ∫ w·t ds of the same traction (stress times length), w two expressions of x and y.
+    WeightedForce {
+        /// The side.
+        side: usize,
+        /// Both components of w.
+        weight: [Expression; 2],
+    },
     /// The distance of the two faces of a crack, or of two surfaces that may touch, in the deformed state (length).
     OpeningAt([f64; 2]),
 }
@@ -39,6 +47,7 @@ impl QuantityKind {
             Self::PressureAt(_) => "pressure",
             Self::MeanDisplacement(_) => "mean_displacement",
             Self::Moment { .. } => "moment",
+            Self::WeightedForce { .. } => "weighted_force",
             Self::OpeningAt(_) => "opening",
         }
     }
@@ -49,8 +58,23 @@ impl QuantityKind {
             Self::PressureAt(_) => "pressure_at",
             Self::MeanDisplacement(_) => "mean_displacement",
             Self::Moment { .. } => "moment",
+            Self::WeightedForce { .. } => "weighted_force",
             Self::OpeningAt(_) => "opening_at",
         }
+    }
+
+    /// The side whose force does work, and the field w at a point on which it does: of moments and weighted forces.
+    pub fn weighted_side(&self) -> Option<(usize, impl Fn([f64; 2]) -> [f64; 2] + Sync + '_)> {
+        let side = match self {
+            Self::Moment { side, .. } | Self::WeightedForce { side, .. } => *side,
+            _ => return None,
+        };
+        let w = move |[x, y]: [f64; 2]| match self {
+            Self::Moment { about: [u, v], .. } => [v - y, x - u],
+            Self::WeightedForce { weight, .. } => weight.each_ref().map(|w| w.eval(x, y, 0.0)),
+            _ => [0.0; 2],
+        };
+        Some((side, w))
     }
 }
 
@@ -148,6 +172,9 @@ impl Problem {
     }
 }
 
+/// Places of an edge less one at which a weight is looked at.
+const WEIGHED: usize = 64;
+
 /// Sine of the angle up to which two faces lie on each other.
 const ALIGNED: f64 = 1e-6;
 
@@ -162,9 +189,18 @@ impl Scene {
                 let keys = [vec!["quantities", name, kind.key()], vec!["quantities", name], vec!["quantities"]];
                 Err(DataError::at(sort, &keys, message, help))
             };
-            if self.is_on_grid() {
+            let needs_elements = matches!(kind, QuantityKind::PressureAt(_) | QuantityKind::OpeningAt(_));
+            if self.is_on_grid() && needs_elements {
                 let message = format!("the quantity {name:?} is one of boundary elements, and the body is on a grid");
                 let help = "remove it, and ask for points and sides in [probe]".to_owned();
+                return refuse(DataErrorKind::Unsupported, message, help);
+            }
+            if let QuantityKind::WeightedForce { side, .. } = kind
+                && self.is_on_grid()
+                && !self.problem.sides.get(*side).is_none_or(|own| own.holds(0) || own.holds(1))
+            {
+                let message = format!("the quantity {name:?}: on a grid a weighted force is that of a support");
+                let help = "take a side whose displacement is given, or model = \"bem\"".to_owned();
                 return refuse(DataErrorKind::Unsupported, message, help);
             }
             if let Some((message, help)) = self.wrong(kind) {
@@ -179,7 +215,7 @@ impl Scene {
         let problem = &self.problem;
         let (points, side) = match *kind {
             QuantityKind::PressureAt(x) | QuantityKind::OpeningAt(x) => (Some(x), None),
-            QuantityKind::MeanDisplacement(side) => (None, Some(side)),
+            QuantityKind::MeanDisplacement(side) | QuantityKind::WeightedForce { side, .. } => (None, Some(side)),
             QuantityKind::Moment { side, about } => (Some(about), Some(side)),
         };
         if let Some([x, y]) = points.filter(|x| x.iter().any(|c| !c.is_finite())) {
@@ -202,10 +238,21 @@ impl Scene {
                 let message = format!("at the point ({}, {}) the surface turns, and opens by two numbers", x[0], x[1]);
                 Some((message, "move the point a little along the part that is meant".to_owned()))
             }
-            QuantityKind::Moment { side, .. } if !self.has_reaction(side) => {
+            QuantityKind::Moment { side, .. } | QuantityKind::WeightedForce { side, .. }
+                if !self.has_reaction(side) =>
+            {
                 let name = &problem.sides[side].name;
-                let help = "take the moment of a side with a support, springs, contact or another body";
+                let help = "take a side with a support, springs, contact or another body";
                 Some((format!("nothing but given loads acts on the side {name:?}"), help.to_owned()))
+            }
+            QuantityKind::WeightedForce { side, .. } => {
+                let (_, w) = kind.weighted_side()?;
+                let at = |edge: &Edge| (0..=WEIGHED).map(|k| edge.point(k as f64 / WEIGHED as f64)).collect::<Vec<_>>();
+                let edges = problem.outline.edges();
+                let mut points = edges.iter().filter(|edge| edge.side == side).flat_map(at);
+                let [x, y] = points.find(|&x| !w(x).iter().all(|w| w.is_finite()))?;
+                let message = format!("its weight is not finite at ({x}, {y})");
+                Some((message, "write a weight that is finite on the whole side".to_owned()))
             }
             _ => None,
         }

@@ -49,7 +49,7 @@ impl Unit {
         let has = |words: &[&str]| path.split('.').any(|key| words.iter().any(|word| key.ends_with(word)));
         match () {
             // before all others: what follows is a name of the scene
-            () if path.starts_with("reactions.") => Self::Force,
+            () if path.starts_with("reactions.") || path.starts_with("weighted_force.") => Self::Force,
             () if path.starts_with("pressure.") => Self::Stress,
             () if ["mean_displacement.", "opening."].iter().any(|group| path.starts_with(group)) => Self::Length,
             () if path.starts_with("moment.") => Self::Moment,
@@ -206,7 +206,7 @@ fn of_contact(c: &ContactSummary) -> Vec<Row> {
 
 /// The numbers that the scene asks for by names, with their error bars.
 fn of_names(s: &Summary) -> Vec<Row> {
-    let Named { pressure, mean_displacement, moment, opening } = &s.named;
+    let Named { pressure, mean_displacement, moment, weighted_force, opening } = &s.named;
     let bar = |path: &str| s.quantities.get(path).map_or(Vec::new(), |told| within("± ", told.uncertainty, 2, ""));
     let single = |group: &str, what: &str, unit: Unit, all: &BTreeMap<String, f64>| -> Vec<Row> {
         let of = |(name, value): (&String, &f64)| {
@@ -222,6 +222,7 @@ fn of_names(s: &Summary) -> Vec<Row> {
         }
     }
     rows.extend(single("moment", "moment", Unit::Moment, moment));
+    rows.extend(single("weighted_force", "weighted force", Unit::Force, weighted_force));
     rows.extend(single("opening", "opening", Unit::Length, opening));
     rows
 }

@@ -278,11 +278,14 @@ fn probes(stored: &Record, lines: &mut Lines) {
 
 /// The numbers that the scene asks for by names.
 fn named(s: &Summary, lines: &mut Lines) {
-    let Named { pressure, mean_displacement, moment, opening } = &s.named;
+    let Named { pressure, mean_displacement, moment, weighted_force, opening } = &s.named;
     let uncertainty = |path: String| Some(s.quantities.get(&path)?.uncertainty);
-    for (group, what, all) in
-        [("pressure", "pressure", pressure), ("moment", "moment", moment), ("opening", "opening", opening)]
-    {
+    for (group, what, all) in [
+        ("pressure", "pressure", pressure),
+        ("moment", "moment", moment),
+        ("weighted_force", "weighted", weighted_force),
+        ("opening", "opening", opening),
+    ] {
         for (name, &value) in all {
             let told = match value.is_nan() {
                 true => "infinite, whatever the mesh".to_owned(),

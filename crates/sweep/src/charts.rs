@@ -10,7 +10,7 @@ use crate::sweep::plain;
 use crate::{Quantities, Sweep, SweepError};
 
 /// Quantities that are drawn, by the beginnings of their paths; the others are measures of the work and its checks.
-const DRAWN: [&str; 12] = [
+const DRAWN: [&str; 13] = [
     "energy",
     "contact.",
     "interfaces.",
@@ -19,6 +19,7 @@ const DRAWN: [&str; 12] = [
     "pressure.",
     "mean_displacement.",
     "moment.",
+    "weighted_force.",
     "opening.",
     "stochastic.",
     "friction_work",

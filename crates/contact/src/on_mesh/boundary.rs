@@ -213,16 +213,24 @@ impl ContactBoundary {
         force
     }
 
-    /// Moment about c of the force of the obstacle on the body over one side (force), of nodes whose points are `points`.
-    pub fn moment(&self, side: usize, multipliers: &[[f64; 2]], points: &[[f64; 2]], about: [f64; 2]) -> f64 {
+    /// Work of the force of the obstacle on the body over one side on a field w, of nodes whose points are `points`.
+    pub fn work(
+        &self,
+        side: usize,
+        multipliers: &[[f64; 2]],
+        points: &[[f64; 2]],
+        w: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> f64 {
         let conditions: Vec<_> =
             self.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n.point, c))).collect();
-        let moment =
-            |x: [f64; 2], force: f64, d: [f64; 2]| force * ((x[0] - about[0]) * d[1] - (x[1] - about[1]) * d[0]);
+        let work = |x: [f64; 2], force: f64, d: [f64; 2]| {
+            let w = w(x);
+            force * (w[0] * d[0] + w[1] * d[1])
+        };
         let mut sum = 0.0;
         for (&(x, c), [normal, shear]) in conditions.iter().zip(multipliers) {
             for share in c.shares.iter().filter(|s| s.side == side) {
-                sum -= moment(x, share.normal * normal, c.normal) + moment(x, share.tangent * shear, c.tangent);
+                sum -= work(x, share.normal * normal, c.normal) + work(x, share.tangent * shear, c.tangent);
             }
         }
         // what acts at a held end is in the share of the neighbour that has its multiplier
@@ -231,7 +239,7 @@ impl ContactBoundary {
             if c.shares.iter().any(|s| s.side == side) {
                 let own = if transfer.functional == 0 { c.normal } else { c.tangent };
                 let force = transfer.weight * multipliers[transfer.condition][transfer.functional];
-                sum -= moment(points[transfer.node], force, transfer.direction) - moment(x, force, own);
+                sum -= work(points[transfer.node], force, transfer.direction) - work(x, force, own);
             }
         }
         sum

@@ -294,32 +294,35 @@ static QUANTITIES: Table = names(
     "quantities",
     "Numbers of the result by names of one's own, of boundary elements.",
     Form::Table(&QUANTITY),
-    "A name of letters, digits and _. The JSON object has the number as `pressure.NAME`, `mean_displacement.NAME`, `moment.NAME` or \
-     `opening.NAME`.",
+    "A name of letters, digits and _. The JSON object has the number as `pressure.NAME`, `mean_displacement.NAME`, `moment.NAME`, \
+     `weighted_force.NAME` or `opening.NAME`.",
 );
 pub(super) static QUANTITY: Table = table(
     "quantities.NAME",
     "One of the numbers below.",
     &[
         key("pressure_at", Point, "length", "A point of the boundary: the pressure on it, -n·σn.")
-            .without("one of the four is required"),
+            .without("one of the five is required"),
         key("mean_displacement", Text, "", "A side: the mean of its displacement over its length, x and y.")
-            .without("one of the four is required"),
+            .without("one of the five is required"),
         key(
             "moment",
             Text,
             "",
             "A side: the moment, anticlockwise, of what a support, springs, an obstacle or another body do to it.",
         )
-        .without("one of the four is required"),
+        .without("one of the five is required"),
         key("about", Point, "length", "The point about which `moment` is taken.").without("required with `moment`"),
+        key("weighted_force", Text, "", "A side: ∫ w·t over it of the same traction t, w the `weight`.")
+            .without("one of the five is required"),
+        key("weight", VECTOR, "", "Both components of w, of x and y.").without("required with `weighted_force`"),
         key(
             "opening_at",
             Point,
             "length",
             "A point of a crack or of a side that may touch something: the distance of both surfaces after the deformation.",
         )
-        .without("one of the four is required"),
+        .without("one of the five is required"),
     ],
 );
 

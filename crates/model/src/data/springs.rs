@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use faer::Mat;
 use steklov_bem_operators::{Enriched, Mesh, Site, Space, side_moments};
 use steklov_contact::oscillation;
-use steklov_elastic::plane::{cross, dot, minus};
+use steklov_elastic::plane::dot;
 use steklov_expression::Expression;
 use steklov_problem::STIFFNESS;
 use steklov_quadrature::{LobattoBasis, legendre_p};
@@ -240,15 +240,21 @@ impl Springs {
         forces.into_iter().collect()
     }
 
-    /// -∫ (x - c) × K u of a side with springs: the moment of their force on the body about c.
-    pub(crate) fn moment(&self, data: &OnMesh<'_>, displacement: &[f64], side: usize, about: [f64; 2]) -> f64 {
-        let mut moment = 0.0;
+    /// -∫ w·K u of a side with springs: the work of their force on the body on a field w.
+    pub(crate) fn work(
+        &self,
+        data: &OnMesh<'_>,
+        displacement: &[f64],
+        side: usize,
+        w: &dyn Fn([f64; 2]) -> [f64; 2],
+    ) -> f64 {
+        let mut work = 0.0;
         for own in self.elements.iter().filter(|own| data.mesh.side[own.element] == side) {
             own.each(&own.unknowns(data.space), displacement, &mut |point, weight, d, along| {
-                moment -= weight * along * cross(minus(data.mesh.point(own.element, point.t), about), d);
+                work -= weight * along * dot(w(data.mesh.point(own.element, point.t)), d);
             });
         }
-        moment
+        work
     }
 
     /// The first-order gain of J from the part of particular solutions that the nodes miss: ∫ K u·(u_p - I_p u_p).

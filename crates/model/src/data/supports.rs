@@ -67,6 +67,23 @@ impl Supports<'_> {
         reactions.into_iter().enumerate().filter(|&(side, _)| held(side)).collect()
     }
 
+    /// Work of the forces of the supports on one side on a field w.
+    pub(crate) fn work(
+        &self,
+        (residual, side): (&[f64], usize),
+        (mesh, sides): (&Mesh, &[Side]),
+        traction: impl Fn(usize, usize) -> [f64; 2],
+        w: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> f64 {
+        let mut work = 0.0;
+        self.each_reaction(residual, mesh, sides, traction, |own, node, i, force| {
+            if own == side {
+                work += w(self.space.points[node])[i] * force;
+            }
+        });
+        work
+    }
+
     /// Calls `call` with the side, node, component and size of each force of the supports on the body: the residuals at held unknowns.
     /// Where two sides hold a component of a common node, each takes the moment of the traction on its own elements (`traction(e, j)`) and
     /// half of the rest.

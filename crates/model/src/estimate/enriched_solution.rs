@@ -12,8 +12,8 @@ use steklov_bem_operators::{BoundaryField, Enriched, Raised};
 use steklov_contact::{ContactBubble, Tip};
 use steklov_coupling::Radiation;
 use steklov_elastic::RigidMotion;
-use steklov_elastic::plane::{cross, minus};
-use steklov_problem::{Condition, QuantityKind, Scene};
+use steklov_elastic::plane::dot;
+use steklov_problem::{Condition, NamedQuantity, Scene};
 
 use crate::contact_length::length_of_contact;
 use crate::data::body_load::Particulars;
@@ -69,8 +69,8 @@ pub(crate) fn both(
         both.extend([0, 1].map(|i| [force[i], force[i] + gained[i]]));
     }
     if let Some(plus) = &plus {
-        let moments = data.moments_with(&solved.moments, &change);
-        both.extend(pair(data.named(&solved.elastic_field(), &solved.moments), data.named(plus, &moments)));
+        let works = data.works_with(&solved.works, &change);
+        both.extend(pair(data.named(&solved.elastic_field(), &solved.works), data.named(plus, &works)));
     }
     let mut ends = Vec::new();
     if let (Some(part), Some(plus)) = (&factors.contact, &plus) {
@@ -175,24 +175,23 @@ impl OnMesh<'_> {
         [0, 1].map(|i| if reacts[i] { sum(i) } else { 0.0 })
     }
 
-    /// The moments of the nodal forces with their change.
-    fn moments_with(&self, moments: &[f64], change: &[f64]) -> Vec<f64> {
-        let of = |(side, about): (usize, [f64; 2]), moment: f64| {
+    /// The moments and weighted forces of the nodal forces with their change.
+    fn works_with(&self, works: &[f64], change: &[f64]) -> Vec<f64> {
+        let mut works = works.iter().copied();
+        let with = |quantity: &NamedQuantity| {
+            let (side, w) = quantity.kind.weighted_side()?;
+            let work = works.next()?;
             if !self.is_balanced(side) {
-                return moment;
+                return Some(work);
             }
             let reacts = quantities::reacting(self.scene, side);
             let gained = |&node: &usize| {
                 let force = [0, 1].map(|i| if reacts[i] { change[2 * node + i] } else { 0.0 });
-                cross(minus(self.space.points[node], about), force)
+                dot(w(self.space.points[node]), force)
             };
-            moment + self.nodes_of(side).iter().map(gained).sum::<f64>()
+            Some(work + self.nodes_of(side).iter().map(gained).sum::<f64>())
         };
-        let sides = self.scene.quantities.iter().filter_map(|quantity| match quantity.kind {
-            QuantityKind::Moment { side, about } => Some((side, about)),
-            _ => None,
-        });
-        sides.zip(moments).map(|(side, &moment)| of(side, moment)).collect()
+        self.scene.quantities.iter().filter_map(with).collect()
     }
 
     /// The coefficients of the bubbles in held displacements less their interpolants: element, component, value.

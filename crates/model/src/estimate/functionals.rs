@@ -5,7 +5,6 @@
 
 use steklov_bem_operators::{Functional, Location, Trace};
 use steklov_contact::Tip;
-use steklov_elastic::plane::turned;
 use steklov_problem::{Friction, QuantityKind, Scene, Surfaces};
 
 use crate::answer::probes::{invariants, slopes};
@@ -67,10 +66,10 @@ impl OnMesh<'_> {
             match quantity.kind {
                 QuantityKind::PressureAt(x) => all.push(self.of_pressure(field, x)),
                 QuantityKind::MeanDisplacement(side) => all.extend(self.of_mean(field, side).map(Some)),
-                QuantityKind::Moment { side, about } if self.is_balanced(side) => {
-                    all.push(Some(self.of_forces(side, |x| turned([x[0] - about[0], x[1] - about[1]]))));
+                QuantityKind::Moment { .. } | QuantityKind::WeightedForce { .. } => {
+                    let balanced = quantity.kind.weighted_side().filter(|(side, _)| self.is_balanced(*side));
+                    all.push(balanced.map(|(side, w)| self.of_forces(side, w)));
                 }
-                QuantityKind::Moment { .. } => all.push(None),
                 QuantityKind::OpeningAt(x) => all.push(self.of_opening(field, x)),
             }
         }

@@ -2,10 +2,11 @@
 
 use steklov_bem_operators::Location;
 use steklov_msfem::crossing_contrast;
-use steklov_problem::{Condition, Scene, Side, Spot};
+use steklov_problem::{Condition, QuantityKind, Scene, Side, Spot};
 
 use super::error_parts::{FAILING, GridEstimate};
 use super::solution::GridSolved;
+use super::trace::{GridTrace, node_at};
 use crate::answer::probes;
 use crate::quantities::Bars;
 use crate::run::report::Report;
@@ -32,6 +33,29 @@ impl GridSolved {
             Some(around) if spot.body > 0 => around.at(x),
             _ => self.at(x),
         }
+    }
+
+    /// The named quantities of the scene in their order; `fine` is the boundary of the fine grid.
+    pub(super) fn named(&self, scene: &Scene, fine: &GridTrace) -> Vec<f64> {
+        let (mesh, mut works) = (&fine.mesh, self.works.iter());
+        let mut values = Vec::new();
+        for quantity in &scene.quantities {
+            match quantity.kind {
+                QuantityKind::MeanDisplacement(side) => {
+                    let (mut sum, mut length) = ([0.0; 2], 0.0);
+                    for e in (0..mesh.len()).filter(|&e| mesh.side[e] == side) {
+                        let h = mesh.length(e);
+                        for node in [e, mesh.next[e]].map(|n| node_at(&self.body.grid, fine.lattice[n])) {
+                            (0..2).for_each(|k| sum[k] += h / 2.0 * self.displacement[2 * node + k]);
+                        }
+                        length += h;
+                    }
+                    values.extend(sum.map(|sum| sum / length));
+                }
+                _ => values.push(works.next().copied().unwrap_or(f64::NAN)),
+            }
+        }
+        values
     }
 
     /// Rounding errors of a solution, relative: those of its factor, by the contrast of the moduli and the cells across.
@@ -99,6 +123,12 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         Probe::new(point, displacement, stress)
     };
     let trace = solved.trace();
+    let named = match scene.quantities.is_empty() {
+        true => Vec::new(),
+        false => {
+            GridTrace::new(scene, &solved.body.grid, |_| true).map_or(Vec::new(), |fine| solved.named(scene, &fine))
+        }
+    };
     Report {
         energies: solved.energies,
         energy: correction.map(|c| [solved.energies.total - c, c]),
@@ -113,7 +143,7 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         located: None,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(probe).collect(),
-        named: Vec::new(),
+        named,
         near: Vec::new(),
         bars: Bars::on_grid(scene, solved),
         lines: probes::lines(scene, |spot, x| solved.at_spot(spot, x)),

@@ -23,10 +23,10 @@ use steklov_msfem::{
     bubble_values, bubble_weighted_residuals, fine_correction,
 };
 use steklov_problem::steklov_expression::Expression;
-use steklov_problem::{Condition, Scene};
+use steklov_problem::{Condition, QuantityKind, Scene};
 
 use super::solution::{CoarseSolved, GridSolved};
-use super::solve::{Acting, lift};
+use super::solve::{Acting, lift, weights_at};
 use super::trace::GridTrace;
 use crate::answer::probes::slopes;
 use crate::data::supports::{Held, Supports};
@@ -50,21 +50,43 @@ pub struct GridQuantity {
 }
 
 /// A linear functional J, as the load of its dual problem.
-#[derive(Debug, Clone, Default)]
-struct GridFunctional {
+struct GridFunctional<'a> {
     /// J(u) as it is told.
     value: f64,
     /// -j: the moments against the bilinear functions of cells.
     load: Loads,
     /// The same against the bubbles of a cell.
     of_cell: Option<(usize, [f64; 10])>,
+    /// The same as a mean traction on sides of cells.
+    traction: HashMap<(usize, usize), [f64; 2]>,
     /// Side whose forces do work on w, and w.
-    of_forces: Option<(usize, [f64; 2])>,
+    of_forces: Option<(usize, Weight<'a>)>,
+}
+
+/// A field at points.
+type Weight<'a> = Box<dyn Fn([f64; 2]) -> [f64; 2] + Sync + 'a>;
+
+impl<'a> GridFunctional<'a> {
+    fn of_load(value: f64, load: Loads) -> Self {
+        Self { value, load, of_cell: None, traction: HashMap::new(), of_forces: None }
+    }
+
+    fn of_forces(value: f64, side: usize, w: Weight<'a>) -> Self {
+        Self { of_forces: Some((side, w)), ..Self::of_load(value, Loads::default()) }
+    }
+
+    /// What is held in the dual problem, at the nodes of a boundary.
+    fn held(&self, trace: &GridTrace, held: &[Held]) -> Vec<Held> {
+        match &self.of_forces {
+            Some((side, w)) => weights_at(trace, held, *side, w),
+            None => weights_at(trace, held, usize::MAX, &|_| [0.0; 2]),
+        }
+    }
 }
 
 /// The functionals of the numbers of a scene, and those that are told: each is a sum of functionals with weights.
-struct GridFunctionals {
-    functionals: Vec<GridFunctional>,
+struct GridFunctionals<'a> {
+    functionals: Vec<GridFunctional<'a>>,
     numbers: Vec<Number>,
 }
 
@@ -115,17 +137,17 @@ impl GridSolved {
 }
 
 /// The numbers of a scene and the solutions of their dual problems on the fine nodes.
-struct Duals {
-    functionals: GridFunctionals,
+struct Duals<'a> {
+    functionals: GridFunctionals<'a>,
     solutions: Vec<Vec<f64>>,
     acting: Acting,
     is_held: Vec<bool>,
 }
 
-impl Duals {
-    fn new(scene: &Scene, solved: &GridSolved, data: DualData) -> Result<Self, SolveError> {
+impl<'a> Duals<'a> {
+    fn new(scene: &'a Scene, solved: &GridSolved, data: DualData) -> Result<Self, SolveError> {
         let DualData { acting, is_held, factors } = data;
-        let functionals = GridFunctionals::new(scene, &solved.body, &solved.displacement, &solved.reactions);
+        let functionals = GridFunctionals::new(scene, solved, &acting.fine);
         let solutions = functionals.solutions(solved, &acting, factors)?;
         Ok(Self { functionals, solutions, acting, is_held })
     }
@@ -136,38 +158,61 @@ fn are_known(scene: &Scene) -> bool {
     scene.random.is_none() && scene.surroundings().is_none() && scene.contacts().next().is_none()
 }
 
-impl GridFunctional {
-    /// What is held in the dual problem, at the nodes of a boundary.
-    fn held(&self, held: &[Held]) -> Vec<Held> {
-        let value = |k: usize, side: usize| match self.of_forces {
-            Some((own, w)) if own == side => (w[k], side),
-            _ => (0.0, side),
-        };
-        let of_node = |h: &Held| Held { components: [0, 1].map(|k| h.components[k].map(|(_, side)| value(k, side))) };
-        held.iter().map(of_node).collect()
-    }
-}
-
-impl GridFunctionals {
-    /// Those of a solution, in the order of [`quantities::Bars`]: points, then forces of supports.
-    fn new(scene: &Scene, body: &HeterogeneousBody, u: &[f64], reactions: &[(String, [f64; 2])]) -> Self {
+impl<'a> GridFunctionals<'a> {
+    /// Those of a solution, in the order of [`quantities::Bars`]: points, forces of supports, named numbers.
+    fn new(scene: &'a Scene, solved: &GridSolved, fine: &GridTrace) -> Self {
         let mut this = Self { functionals: Vec::new(), numbers: Vec::new() };
         for &x in &scene.probe {
-            this.add_point(body, u, x);
+            this.add_point(&solved.body, &solved.displacement, x);
         }
-        for (force, side) in quantities::forces(scene, reactions) {
+        for (force, side) in quantities::forces(scene, &solved.reactions) {
             for i in 0..2 {
-                if !scene.problem.sides[side].holds(i) {
+                if scene.problem.sides[side].holds(i) {
+                    let w = [0, 1].map(|k| f64::from(u8::from(i == k)));
+                    this.add(GridFunctional::of_forces(force[i], side, Box::new(move |_| w)));
+                } else {
                     this.numbers.push(Number { value: force[i], sum: Vec::new() });
-                    continue;
                 }
-                let w = [0, 1].map(|k| f64::from(u8::from(i == k)));
-                this.numbers.push(Number { value: force[i], sum: vec![(this.functionals.len(), 1.0)] });
-                let of_forces = Some((side, w));
-                this.functionals.push(GridFunctional { value: force[i], of_forces, ..GridFunctional::default() });
+            }
+        }
+        let mut values = solved.named(scene, fine).into_iter();
+        for quantity in &scene.quantities {
+            let value = values.next().unwrap_or(f64::NAN);
+            match quantity.kind {
+                QuantityKind::MeanDisplacement(side) => {
+                    this.add_mean(solved, fine, side, [value, values.next().unwrap_or(f64::NAN)]);
+                }
+                _ => match quantity.kind.weighted_side() {
+                    Some((side, w)) => this.add(GridFunctional::of_forces(value, side, Box::new(w))),
+                    None => this.numbers.push(Number { value, sum: Vec::new() }),
+                },
             }
         }
         this
+    }
+
+    /// Adds a number that is one functional.
+    fn add(&mut self, functional: GridFunctional<'a>) {
+        self.numbers.push(Number { value: functional.value, sum: vec![(self.functionals.len(), 1.0)] });
+        self.functionals.push(functional);
+    }
+
+    /// The mean displacement of a side.
+    fn add_mean(&mut self, solved: &GridSolved, fine: &GridTrace, side: usize, value: [f64; 2]) {
+        let mesh = &fine.mesh;
+        let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
+        let length: f64 = elements.iter().map(|&e| mesh.length(e)).sum();
+        for k in 0..2 {
+            let mut functional = GridFunctional::of_load(value[k], Loads::default());
+            let mut traction = [0.0; 2];
+            traction[k] = -1.0 / length;
+            for &e in &elements {
+                let (cell, number) = fine.cell(&solved.body.grid, e);
+                functional.load.add_side(cell, number, [traction.map(|t| t * mesh.length(e) / 2.0); 2]);
+                functional.traction.insert((cell, number), traction);
+            }
+            self.add(functional);
+        }
     }
 
     /// The dual solutions on the fine nodes.
@@ -178,13 +223,13 @@ impl GridFunctionals {
         let (Some((bases, held)), Some(of_mesh)) = (coarse, &solved.coarse) else {
             let loads: Vec<Vec<f64>> = self.functionals.iter().map(|f| f.load.nodal(body)).collect();
             let held: Vec<Vec<f64>> =
-                self.functionals.iter().map(|f| values(&fine.space, &f.held(&fine_held))).collect();
+                self.functionals.iter().map(|f| values(&fine.space, &f.held(fine, &fine_held))).collect();
             return Ok(elimination.fields(&loads, &held));
         };
         let problem = Multiscale::with_bases(body, of_mesh.mesh.clone(), bases);
         let (mut loads, mut of_held, mut extras) = (Vec::new(), Vec::new(), Vec::new());
         for functional in &self.functionals {
-            let (own, own_fine) = (functional.held(&held), functional.held(&fine_held));
+            let (own, own_fine) = (functional.held(trace, &held), functional.held(fine, &fine_held));
             let lift = lift(&problem, fine, &own_fine, trace, &own);
             let extra = Extra { bubbles: problem.basis != Basis::Q1, lift };
             loads.push(problem.load(&functional.load, &extra)?);
@@ -192,7 +237,7 @@ impl GridFunctionals {
             extras.push(extra);
         }
         let fields = elimination.fields(&loads, &of_held).into_iter().zip(&extras).zip(&self.functionals);
-        let fine = |((coarse, extra), functional): ((Vec<f64>, &Extra), &GridFunctional)| {
+        let fine = |((coarse, extra), functional): ((Vec<f64>, &Extra), &GridFunctional<'_>)| {
             Ok(problem.downscale(&coarse, &functional.load, extra, &mut |_| true)?)
         };
         fields.map(fine).collect()
@@ -217,9 +262,8 @@ impl GridFunctionals {
             let mut load = Loads::default();
             load.boundary.insert(cell, of_nodes.map(|values| -values[k]));
             let of_cell = Some((cell, of_bubbles.map(|values| -values[k])));
-            self.functionals.push(GridFunctional { value: values[k], load, of_cell, of_forces: None });
+            self.add(GridFunctional { of_cell, ..GridFunctional::of_load(values[k], load) });
         }
-        self.numbers.extend((0..5).map(|k| Number { value: values[k], sum: vec![(first + k, 1.0)] }));
         let [_, _, stress @ ..] = values;
         let invariants = |stress: [f64; 3]| {
             let [larger, smaller] = principal(stress);
@@ -231,7 +275,7 @@ impl GridFunctionals {
     }
 }
 
-impl Duals {
+impl Duals<'_> {
     /// The numbers with their differences.
     fn quantities(&self, scene: &Scene, solved: &GridSolved) -> Vec<GridQuantity> {
         let (mut u, mut of_coarse) = (Cow::Borrowed(&solved.displacement), Vec::new());
@@ -259,9 +303,23 @@ impl Duals {
         let missed = missed(scene, body, fine);
         let held = |cell: usize, side: usize| missed.get(&(cell, side)).copied().unwrap_or_default();
         let primal = BubbleResidual { body_force: &loads.body, u, traction: &given, held: &held };
-        let nothing = |_: usize, _: usize| [0.0; 2];
-        let duals: Vec<BubbleDual<'_>> = (self.functionals.functionals.iter().zip(&self.solutions))
-            .map(|(functional, z)| BubbleDual { z, traction: &nothing, held: &nothing, of_cell: functional.of_cell })
+        let (nothing, functionals) = (|_: usize, _: usize| [0.0; 2], &self.functionals.functionals);
+        let of_side = |values: HashMap<(usize, usize), [f64; 2]>| {
+            move |cell: usize, side: usize| values.get(&(cell, side)).copied().unwrap_or_default()
+        };
+        let tractions: Vec<_> = functionals.iter().map(|f| of_side(f.traction.clone())).collect();
+        let of_weight = |f: &GridFunctional<'_>| match &f.of_forces {
+            Some((own, w)) => beyond_ends(body, fine, |side| (side == *own).then_some(w)),
+            None => HashMap::new(),
+        };
+        let weights: Vec<_> = functionals.iter().map(|f| of_side(of_weight(f))).collect();
+        let duals: Vec<BubbleDual<'_>> = (functionals.iter().zip(&self.solutions).zip(tractions.iter().zip(&weights)))
+            .map(|((functional, z), (traction, held))| BubbleDual {
+                z,
+                traction: if functional.traction.is_empty() { &nothing } else { traction },
+                held: if functional.of_forces.is_none() { &nothing } else { held },
+                of_cell: functional.of_cell,
+            })
             .collect();
         bubble_weighted_residuals(body, &primal, &duals)
     }
@@ -272,7 +330,7 @@ impl Duals {
         let body = &solved.body;
         let functionals = || self.functionals.functionals.iter().zip(&self.solutions);
         // -j of each functional at the nodes of its cells
-        let load_at = |functional: &GridFunctional, node: usize, k: usize| -> f64 {
+        let load_at = |functional: &GridFunctional<'_>, node: usize, k: usize| -> f64 {
             let of_cell = |(&cell, load): (&usize, &[f64; 8])| {
                 let local = body.grid.cell_nodes(cell).iter().position(|&own| own == node);
                 local.map_or(0.0, |a| load[2 * a + k])
@@ -348,4 +406,19 @@ fn missed(scene: &Scene, body: &HeterogeneousBody, fine: &GridTrace) -> HashMap<
         missed.insert(fine.cell(&body.grid, e), values.each_ref().map(of_component));
     }
     missed
+}
+
+/// The same of a field on the sides that have one.
+fn beyond_ends<'w, 'a: 'w>(
+    body: &HeterogeneousBody,
+    fine: &GridTrace,
+    of: impl Fn(usize) -> Option<&'w Weight<'a>>,
+) -> HashMap<(usize, usize), [f64; 2]> {
+    let mesh = &fine.mesh;
+    let beyond = |e: usize| {
+        let w = of(mesh.side[e])?;
+        let [a, b, middle] = [-1.0, 1.0, 0.0].map(|t| w(mesh.point(e, t)));
+        Some((fine.cell(&body.grid, e), [0, 1].map(|k| middle[k] - (a[k] + b[k]) / 2.0)))
+    };
+    (0..mesh.len()).filter_map(beyond).collect()
 }

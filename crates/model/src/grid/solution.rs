@@ -37,6 +37,8 @@ pub struct GridSolved {
     pub balanced: bool,
     /// Force of the support or obstacle on the body for each held or contacting side.
     pub reactions: Vec<(String, [f64; 2])>,
+    /// The moments and weighted forces that the scene asks for, in their order.
+    pub(crate) works: Vec<f64>,
     /// Rigid motions that nothing resists and no load drives; the displacement has none of them.
     pub free_motions: Vec<RigidMotion>,
     /// The estimated error.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use steklov_contact::ContactBoundary;
 use steklov_elastic::RigidMotion;
 use steklov_msfem::{Basis, CoarseCell, CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, MsfemError, Multiscale};
-use steklov_problem::Scene;
+use steklov_problem::{QuantityKind, Scene};
 
 use super::cells::{basis, body};
 use super::coupled::solve_coupled;
@@ -223,6 +223,7 @@ fn solve_fine(
         contact: answer.contact,
         balanced: answer.balanced,
         reactions: answer.reactions,
+        works: answer.works,
         free_motions: answer.free_motions,
         estimate: None,
         seconds: Seconds { assemble, factorise, ..Seconds::default() },
@@ -284,6 +285,59 @@ pub(super) fn lift(
         place += count;
     }
     if lifted { lift } else { Vec::new() }
+}
+
+/// The moments and weighted forces that the scene asks for, those of vertices being `of_vertices`: a weight that differs from the traces
+/// between them does work on the forces of the fine nodes, Σ w·(K u - f) with w as the basis extends it.
+fn works(
+    scene: &Scene,
+    problem: &Multiscale<'_>,
+    (displacement, loads): (&[f64], &Loads),
+    of_vertices: &[f64],
+    [(fine, fine_held), (trace, held)]: [(&GridTrace, &[Held]); 2],
+) -> Result<Vec<f64>, SolveError> {
+    let weighted = scene.quantities.iter().filter(|quantity| quantity.kind.weighted_side().is_some());
+    let mut works = Vec::new();
+    let mut rest: Option<Vec<f64>> = None;
+    for (quantity, &of_vertices) in weighted.zip(of_vertices) {
+        let Some((side, w)) =
+            quantity.kind.weighted_side().filter(|_| !matches!(quantity.kind, QuantityKind::Moment { .. }))
+        else {
+            works.push(of_vertices);
+            continue;
+        };
+        let [own_fine, own] = [(fine, fine_held), (trace, held)].map(|(trace, held)| weights_at(trace, held, side, &w));
+        let lift = lift(problem, fine, &own_fine, trace, &own);
+        let mut coarse = vec![0.0; problem.dofs()];
+        let at = |p: [usize; 2]| vertex_at(problem, p).and_then(|v| problem.unknown[v]);
+        for (&place, held) in trace.lattice.iter().zip(&own) {
+            let Some(unknown) = at(place) else { continue };
+            (0..2).for_each(|k| coarse[unknown + k] = held.components[k].map_or(0.0, |(value, _)| value));
+        }
+        let extra = Extra { bubbles: false, lift };
+        let field = problem.downscale(&coarse, &Loads::default(), &extra, &mut |_| true)?;
+        let rest = rest.get_or_insert_with(|| {
+            let (forces, load) = (problem.body.forces(displacement), loads.nodal(problem.body));
+            forces.iter().zip(&load).map(|(ku, f)| ku - f).collect()
+        });
+        works.push(steklov_algebra::dot(&field, rest));
+    }
+    Ok(works)
+}
+
+/// w where a side holds the nodes of a boundary, 0 where another one does.
+pub(super) fn weights_at(trace: &GridTrace, held: &[Held], side: usize, w: &dyn Fn([f64; 2]) -> [f64; 2]) -> Vec<Held> {
+    let of_node = |(held, &x): (&Held, &[f64; 2])| {
+        let w = w(x);
+        let value = |k: usize, own: usize| (if own == side { w[k] } else { 0.0 }, own);
+        Held { components: [0, 1].map(|k| held.components[k].map(|(_, own)| value(k, own))) }
+    };
+    held.iter().zip(&trace.space.points).map(of_node).collect()
+}
+
+/// The number of the vertex at a lattice point.
+fn vertex_at(problem: &Multiscale<'_>, p: [usize; 2]) -> Option<usize> {
+    problem.mesh.vertices.binary_search_by_key(&[p[1], p[0]], |v| [v[1], v[0]]).ok()
 }
 
 /// Strain energy and load work of the fine displacement; cell by cell where the basis is not conforming.
@@ -352,10 +406,7 @@ fn at_nodes(values: &[f64], nodes: &[usize]) -> Vec<f64> {
 
 /// The boundary with a node at each coarse vertex, and the nodes of the problem there.
 fn coarse_trace(scene: &Scene, problem: &Multiscale<'_>) -> Result<(GridTrace, Vec<usize>), SolveError> {
-    let vertex_at = |p: [usize; 2]| {
-        let found = problem.mesh.vertices.binary_search_by_key(&[p[1], p[0]], |v| [v[1], v[0]]);
-        found.ok()
-    };
+    let vertex_at = |p: [usize; 2]| vertex_at(problem, p);
     let trace = GridTrace::new(scene, &problem.body.grid, |p| vertex_at(p).is_some())?;
     let node_of = |p: [usize; 2]| {
         let unknown = vertex_at(p).and_then(|v| problem.unknown[v]);
@@ -425,6 +476,7 @@ fn solve_coarse(
     let mut displacement = watched("fine displacements", [0.6, 0.9], observe, |go_on| {
         problem.downscale(&answer.displacement, loads, &extra, go_on)
     })?;
+    let works = works(scene, &problem, (&displacement, loads), &answer.works, [(fine, &fine_held), (&trace, &held)])?;
     let (strain, load_work) = field_energies(&problem, &displacement, &answer.displacement, loads, &extra)?;
     let solve = clock.elapsed().as_secs_f64();
     let is_held = held_unknowns(grid, fine, &fine_held);
@@ -442,6 +494,7 @@ fn solve_coarse(
         contact: answer.contact,
         balanced: answer.balanced,
         reactions: answer.reactions,
+        works,
         free_motions: answer.free_motions,
         estimate: None,
         seconds: Seconds { set_up, assemble, factorise, solve, enrich: 0.0 },

@@ -7,7 +7,7 @@ use steklov_algebra::dot;
 use steklov_contact::{ContactBoundary, Problem};
 use steklov_elastic::RigidMotion;
 use steklov_msfem::{Elimination, ReducedLoad};
-use steklov_problem::{Scene, Solver};
+use steklov_problem::{NamedQuantity, Scene, Solver};
 
 use super::trace::GridTrace;
 use crate::data::motions::{unresisted, work};
@@ -45,6 +45,8 @@ pub(crate) struct Answer {
     /// Whether the residual of equilibrium is as small as rounding allows.
     pub balanced: bool,
     pub reactions: Vec<(String, [f64; 2])>,
+    /// The moments and weighted forces that the scene asks for, of the forces at the nodes of the boundary.
+    pub works: Vec<f64>,
     pub free_motions: Vec<RigidMotion>,
     /// uᵀ K u and uᵀ f.
     pub energy: f64,
@@ -200,6 +202,13 @@ impl System {
         let lost = resistance.iter().any(|r| *r > RESISTING * carried);
         let at_trace: Vec<f64> = (0..space.dofs()).map(|dof| residual.values[unknown(dof)]).collect();
         let of_corner = |e: usize, j: usize| traction(&displacement, e, j);
+        let sides = &scene.problem.sides;
+        let work = |quantity: &NamedQuantity| {
+            let (side, w) = quantity.kind.weighted_side()?;
+            let of_contact = contact.as_ref().map_or(0.0, |contact| contact.work(side, &space.points, &w));
+            Some(of_contact + supports.work((&at_trace, side), (mesh, sides), of_corner, &w))
+        };
+        let works = scene.quantities.iter().filter_map(work).collect();
         let reactions = reactions(scene, (&supports, mesh), &at_trace, (contact.as_ref(), Vec::new()), of_corner);
         let contact = contact.map(|c| c.with_equilibrium(residual.relative));
         Ok(Answer {
@@ -208,6 +217,7 @@ impl System {
             contact,
             balanced: residual.balanced && (unloaded || !lost),
             reactions,
+            works,
             free_motions: free,
             displacement,
             elimination,

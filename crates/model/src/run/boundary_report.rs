@@ -54,7 +54,7 @@ pub(crate) fn report<'a>(
         located,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(|&x| solved.probe(scene, x)).collect(),
-        named: data.named(&solved.elastic_field(), &solved.moments),
+        named: data.named(&solved.elastic_field(), &solved.works),
         near: data.near_transitions(transitions),
         bars,
         lines: probes::lines(scene, |spot, x| solved.at(spot, x)),

@@ -7,8 +7,7 @@ use steklov_algebra::Symmetric;
 use steklov_bem_operators::{Assembly, BoundaryField, Cuts, Mesh, Space, legendre_decay};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_elastic::RigidMotion;
-use steklov_elastic::plane::minus;
-use steklov_problem::{NamedQuantity, QuantityKind, Scene};
+use steklov_problem::{NamedQuantity, Scene};
 
 use crate::data::body_load::{Particular, Particulars, energies_of};
 use crate::data::joints::{Joint, TiedNode};
@@ -296,7 +295,7 @@ impl Body {
         let of_corner = |e: usize, j: usize| data.traction_moment(&field, &particular, e, j);
         let pulled = self.springs.reactions(mesh, space, &displacement);
         let reactions = reactions(scene, (&supports, mesh), &residual.values, (contact.as_ref(), pulled), of_corner);
-        let moments = self.moments(&data, (&supports, &residual.values), (contact.as_ref(), &displacement), of_corner);
+        let works = self.works(&data, (&supports, &residual.values), (contact.as_ref(), &displacement), of_corner);
         let factors = Factors {
             homogeneous: self.settled(&homogeneous),
             outside: self.outside.as_ref().map(|outside| outside.displacement(&displacement)),
@@ -319,7 +318,7 @@ impl Body {
             equilibrium: residual.relative,
             balanced: residual.balanced,
             reactions,
-            moments,
+            works,
             free_motions: self.free.clone(),
             seconds: Seconds::default(),
             mesh: mesh.clone(),
@@ -328,28 +327,19 @@ impl Body {
         Ok((solved, factors))
     }
 
-    /// The moments that the scene asks for, of the forces at nodes: zero for those between bodies.
-    fn moments(
+    /// The moments and weighted forces that the scene asks for, of the forces at nodes: zero for those between bodies.
+    fn works(
         &self,
         data: &OnMesh<'_>,
         (supports, residual): (&Supports<'_>, &[f64]),
         (contact, displacement): (Option<&ContactResult>, &[f64]),
         traction: impl Fn(usize, usize) -> [f64; 2],
     ) -> Vec<f64> {
-        let sides = &data.scene.problem.sides;
-        let of = |side: usize, about: [f64; 2]| {
-            let mut sum = self.springs.moment(data, displacement, side, about);
-            supports.each_reaction(residual, &self.mesh, sides, &traction, |here, node, i, force| {
-                let arm = minus(self.space.points[node], about);
-                if here == side {
-                    sum += if i == 0 { -arm[1] * force } else { arm[0] * force };
-                }
-            });
-            sum + contact.map_or(0.0, |contact| contact.moment(side, about, &self.space.points))
-        };
-        let of = |quantity: &NamedQuantity| match quantity.kind {
-            QuantityKind::Moment { side, about } => Some(of(side, about)),
-            _ => None,
+        let of = |quantity: &NamedQuantity| {
+            let (side, w) = quantity.kind.weighted_side()?;
+            let of_springs = self.springs.work(data, displacement, side, &w);
+            let of_supports = supports.work((residual, side), (&self.mesh, &data.scene.problem.sides), &traction, &w);
+            Some(of_springs + of_supports + contact.map_or(0.0, |c| c.work(side, &self.space.points, &w)))
         };
         data.scene.quantities.iter().filter_map(of).collect()
     }

@@ -63,11 +63,11 @@ impl ContactResult {
         }
     }
 
-    /// Moment about a point of the force of the obstacle on the body over a side; zero with stabilised multipliers.
-    pub(crate) fn moment(&self, side: usize, about: [f64; 2], points: &[[f64; 2]]) -> f64 {
+    /// Work of the force of the obstacle on the body over a side on a field w; zero with stabilised multipliers.
+    pub(crate) fn work(&self, side: usize, points: &[[f64; 2]], w: impl Fn([f64; 2]) -> [f64; 2]) -> f64 {
         match self.stabilised {
             Some(_) => 0.0,
-            None => self.boundary.moment(side, &self.solution.multipliers, points, about),
+            None => self.boundary.work(side, &self.solution.multipliers, points, w),
         }
     }
 }

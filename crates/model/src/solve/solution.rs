@@ -67,8 +67,8 @@ pub struct Solved {
     pub balanced: bool,
     /// Force on the body of the support, the springs or the obstacle of each side that has one.
     pub reactions: Vec<(String, [f64; 2])>,
-    /// The moments that the scene asks for, in their order, of the forces at nodes; zero between bodies.
-    pub moments: Vec<f64>,
+    /// The moments and weighted forces that the scene asks for, in their order, of the forces at nodes; zero between bodies.
+    pub works: Vec<f64>,
     /// Rigid motions that nothing resists and no load drives; the displacement has none of them.
     pub free_motions: Vec<RigidMotion>,
     /// Wall seconds.
