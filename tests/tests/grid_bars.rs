@@ -199,6 +199,71 @@ fn the_multiscale_part_is_that_of_the_fine_grid() {
     assert!(narrow >= 0.7 && ten >= 0.85, "{narrow} {ten}");
 }
 
+/// A cubic about the middle of a side of a cell: the bubble of the side has nothing of it.
+#[test]
+fn points_of_a_support_know_what_it_gives() {
+    let text = format!(
+        "{SQUARE}material = {{ young = 1000, poisson = 0.3 }}\nsides.lower.displacement = [\"free\", 0]\n\
+         sides.right.displacement = [\"(y - 0.59375)^3\", \"free\"]\nprobe.points = [[1, 0.58], [1, 0.61]]\n"
+    );
+    for model in ["coarse = [16, 16], fine = [1, 1] }\nmethod.model = \"fem\"", "coarse = [4, 4], fine = [4, 4] }"] {
+        let summary = solved(&format!("{text}grid = {{ {model}\n"));
+        for (k, y) in [0.58_f64, 0.61].into_iter().enumerate() {
+            let path = format!("probe.{k}.displacement.x");
+            let [value, uncertainty] = bar(&summary, &path).unwrap_or_else(|| panic!("{path}"));
+            let error = (value - (y - 0.59375).powi(3)).abs();
+            assert!(error <= uncertainty && uncertainty < 3.0 * error, "{path}: {error:e} and {uncertainty:e}");
+        }
+    }
+}
+
+/// The force of the support is the integral of a body force that jumps, or has a kink between the points of all rules.
+#[test]
+fn body_forces_that_jump_are_known_as_well_as_their_bars_say() {
+    let cases = [
+        ("if(x < 0.51, 1, 0)", 0.51),
+        ("if(x + y < 1.03, 1, 0)", 1.0 - 0.97 * 0.97 / 2.0),
+        ("if((x - 0.4)^2 + (y - 0.5)^2 < 0.09, 1, 0)", 0.09 * std::f64::consts::PI),
+        ("sign(x - 0.5001)", -2e-4),
+        ("abs(x - 0.53)", (0.53 * 0.53 + 0.47 * 0.47) / 2.0),
+        ("1000*max(0, x - 0.999)", 5e-4),
+    ];
+    for (force, exact) in cases {
+        let text = format!(
+            "{SQUARE}material = {{ young = 10, poisson = 0.3 }}\nsides.lower.displacement = [0, 0]\n\
+             body_force.value = [0, \"{force}\"]\ngrid = {{ coarse = [8, 8], fine = [1, 1] }}\nmethod.model = \"fem\"\n"
+        );
+        let [value, uncertainty] = bar(&solved(&text), "reactions.lower.y").unwrap_or_else(|| panic!("{force}"));
+        let error = (value + exact).abs();
+        println!("{force}: off by {error:.1e}, {uncertainty:.1e}");
+        assert!(error <= uncertainty && uncertainty < 2e-4, "{force}: {error:e} and {uncertainty:e}");
+    }
+}
+
+/// Within a cell of a re-entrant corner, and within half a cell of a point where moduli cross, the cells have little of the field.
+#[test]
+fn points_beside_singular_points_are_in_doubt() {
+    let corner = "body = { corners = [[0, 0], [1, 0], [1, 0.5], [0.5, 0.5], [0.5, 1], [0, 1]],\n\
+                  sides = [\"lower\", \"right\", \"notch\", \"notch\", \"upper\", \"left\"] }\n\
+                  material = { young = 10, poisson = 0.3 }\n";
+    let crossed = format!(
+        "{SQUARE}material.poisson = 0.3\nmaterial.cells = {{ size = 0.5, young = \"if((x - 0.5)*(y - 0.5) > 0, 10, 1)\" }}\n"
+    );
+    for (text, near) in [(corner, 0.06), (&crossed, 0.03)] {
+        let text = format!(
+            "{text}sides.lower.displacement = [0, 0]\nsides.upper.traction = [1, 0]\nmethod.model = \"fem\"\n\
+             grid = {{ coarse = [16, 16], fine = [1, 1] }}\nprobe.points = [[{}, 0.49], [0.3, 0.3]]\n",
+            0.5 - near / 2.0
+        );
+        let summary = solved(&text);
+        let doubts = |path: &str| summary.quantities[path].doubts.join(" ");
+        for name in ["displacement.x", "stress.xy", "von_mises"] {
+            assert_eq!(doubts(&format!("probe.0.{name}")), "coarse", "{name}: {text}");
+            assert_eq!(doubts(&format!("probe.1.{name}")), "", "{name}: {text}");
+        }
+    }
+}
+
 #[test]
 fn stresses_where_cells_of_other_moduli_meet_are_in_doubt() {
     let text = format!(

@@ -25,6 +25,7 @@ use steklov_problem::{Condition, Friction, Multiplier, NamedQuantity, QuantityKi
 
 use crate::answer::data_jumps::kinks;
 use crate::answer::probes::invariants;
+use crate::answer::singular_points::singular_points;
 use crate::answer::wedges::is_straight;
 use crate::contact_length::extracts_ends;
 use crate::doubt::Doubt;
@@ -218,8 +219,9 @@ pub struct Bars {
     of_energy: Option<f64>,
     /// On a grid the parts of each uncertainty: that of the fine grid and that of its coarse cells.
     parts: Vec<[f64; 2]>,
-    /// The points at which moduli jump.
+    /// On a grid the points at which moduli jump, and those beside singular points.
     at_jumps: Vec<usize>,
+    near_singular: Vec<usize>,
     /// Rounding errors of a value, over the largest of its kind.
     rounded: f64,
 }
@@ -295,8 +297,18 @@ impl Bars {
         let values = quantities.iter().zip(&parts).map(|(own, parts)| [own.value, parts.iter().sum()]).collect();
         let scale = if estimate.relative > 0.0 { estimate.error / estimate.relative } else { 0.0 };
         let at_jumps = solved.at_jumps(&scene.probe);
+        let near_singular = solved.near_singular(&scene.probe, &singular_points(scene, solved.trace().mesh, &[]));
         let rounded = solved.digits().max(ROUNDED);
-        let mut all = Self { entries, values, sizes: sizes(scene, scale), of_energy: None, parts, at_jumps, rounded };
+        let mut all = Self {
+            entries,
+            values,
+            sizes: sizes(scene, scale),
+            of_energy: None,
+            parts,
+            at_jumps,
+            near_singular,
+            rounded,
+        };
         for k in 0..all.values.len() {
             all.values[k][1] = all.values[k][1].max(all.rounding(k));
         }
@@ -423,8 +435,8 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                 if is_stress && stress_unbounded {
                     continue;
                 }
-                let is_weak =
-                    if is_stress { is_corner(scene, x) || all.at_jumps.contains(&point) } else { stress_unbounded };
+                let is_weak = all.near_singular.contains(&point)
+                    || if is_stress { is_corner(scene, x) || all.at_jumps.contains(&point) } else { stress_unbounded };
                 if is_weak && uncertainty > SMALL * all.rounding(k) {
                     quantity.uncertainty *= OF_CORNER;
                     quantity.parts.values_mut().for_each(|part| *part *= OF_CORNER);

@@ -56,3 +56,16 @@ pub fn crossing_contrast(body: &HeterogeneousBody, mesh: &CoarseMesh, threshold:
         share: above as f64 / sides.len() as f64,
     }
 }
+
+impl HeterogeneousBody {
+    /// How moduli cross at a fine node: the ratio of the largest to the smallest of the four cells there, 1 where an interface runs straight
+    /// through it or cells are missing.
+    pub fn crossing(&self, node: usize) -> f64 {
+        let around = self.around(node);
+        let [Some((a, _)), Some((b, _)), Some((c, _)), Some((d, _))] = around else { return 1.0 };
+        let [a, b, c, d] = [a, b, c, d].map(|cell| self.young[cell]);
+        // left below, right below, right above, left above
+        let straight = a == d && b == c || a == b && c == d;
+        if straight { 1.0 } else { a.max(b).max(c).max(d) / a.min(b).min(c).min(d) }
+    }
+}

@@ -15,6 +15,23 @@ const AGREEMENT: f64 = 1e-12;
 /// Largest total uncertainty of the pieces on which they do not agree, as part of that integral.
 const ROUGH: f64 = 1e-4;
 
+/// Part of a jump by which a rule of six points is off along an axis, at most: half of its largest weight.
+const OF_JUMP: f64 = 0.12;
+
+/// How much a force varies between the corners and middles of a rectangle, times its area.
+fn variation(force: &impl Fn([f64; 2]) -> [f64; 2], at: [f64; 2], size: [f64; 2]) -> f64 {
+    let value = |k: usize| {
+        let [i, j] = [k % 3, k / 3].map(|i| i as f64 / 2.0);
+        force([at[0] + i * size[0], at[1] + j * size[1]])
+    };
+    let of = |k: usize| {
+        let values = (0..9).map(|point| value(point)[k]);
+        let range = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+        range[1] - range[0]
+    };
+    size[0] * size[1] * of(0).max(of(1))
+}
+
 /// Integrals of a force on a rectangle.
 struct Piece {
     /// Against the four bilinear functions of the rectangle itself.
@@ -79,7 +96,8 @@ impl Loads {
     }
 
     /// A body force (force per area). Each cell is integrated by 4 × 4 and 6 × 6 Gauss points, and quartered until both agree to
-    /// 1e-12 of the integral of |f| over the body, or pieces are as small as 1/4096 of it (jumps and kinks).
+    /// 1e-12 of the integral of |f| over the body, or pieces are as small as 1/4096 of it (jumps and kinks). The cells whose load is
+    /// not known so well, each with the force (force per thickness) by which it may be off.
     ///
     /// # Errors
     /// [`MsfemError::Force`] where f is not finite, or so rough that the small pieces are uncertain by more than 1e-4 of the
@@ -88,7 +106,21 @@ impl Loads {
         &mut self,
         body: &HeterogeneousBody,
         force: impl Fn([f64; 2]) -> [f64; 2] + Sync,
-    ) -> Result<(), MsfemError> {
+    ) -> Result<Vec<(usize, f64)>, MsfemError> {
+        self.set_body_force_that_turns(body, force, |_, _| false)
+    }
+
+    /// As [`Self::set_body_force`], where rectangles, by their first corner and their sizes, are quartered too in which the force `turns`: has a
+    /// kink or a jump that no point of a rule may see.
+    ///
+    /// # Errors
+    /// As [`Self::set_body_force`].
+    pub fn set_body_force_that_turns(
+        &mut self,
+        body: &HeterogeneousBody,
+        force: impl Fn([f64; 2]) -> [f64; 2] + Sync,
+        turns: impl Fn([f64; 2], [f64; 2]) -> bool + Sync,
+    ) -> Result<Vec<(usize, f64)>, MsfemError> {
         let grid = &body.grid;
         let ny = grid.cells[1];
         let rules = [4, 6].map(gauss_legendre);
@@ -102,11 +134,11 @@ impl Loads {
         let whole: f64 = sizes.iter().sum();
         let across = grid.cells[0].max(ny);
         let depth = (4096 / across).max(1).ilog2().clamp(0, 9);
-        let integrate = |cell: usize| -> Result<([f64; 8], f64), MsfemError> {
+        let integrate = |cell: usize| -> Result<([f64; 8], [f64; 3]), MsfemError> {
             if !inside(cell) {
-                return Ok(([0.0; 8], 0.0));
+                return Ok(([0.0; 8], [0.0; 3]));
             }
-            let (mut load, mut doubtful) = ([0.0; 8], 0.0);
+            let (mut load, mut doubtful, mut found, mut off) = ([0.0; 8], 0.0, 0.0, 0.0);
             let mut open = vec![(first(cell), grid.spacing, 0)];
             while let Some((at, size, level)) = open.pop() {
                 let [a, b] = [0, 1].map(|k| Piece::new(&force, at, size, &rules[k]));
@@ -114,26 +146,31 @@ impl Loads {
                     return Err(MsfemError::Force { point, what: "is not finite" });
                 }
                 let apart = (0..8).fold(0.0f64, |m, c| m.max((a.on_piece[c] - b.on_piece[c]).abs()));
-                if apart > AGREEMENT * whole && level < depth {
+                if level < depth && (apart > AGREEMENT * whole || turns(at, size)) {
                     let half = size.map(|h| h / 2.0);
                     for [i, j] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]] {
                         open.push(([at[0] + i * half[0], at[1] + j * half[1]], half, level + 1));
                     }
                     continue;
                 }
-                doubtful += if apart > AGREEMENT * whole { apart } else { 0.0 };
+                let disagree = if apart > AGREEMENT * whole { apart } else { 0.0 };
+                doubtful += disagree;
+                off += if turns(at, size) { disagree.max(OF_JUMP * variation(&force, at, size)) } else { disagree };
+                found += b.size;
                 b.add_to(&mut load, at, size, first(cell), grid.spacing);
             }
-            Ok((load, doubtful))
+            Ok((load, [doubtful, found, off]))
         };
         let cells = (0..count).into_par_iter().map(integrate).collect::<Result<Vec<_>, MsfemError>>()?;
-        let doubtful: f64 = cells.iter().map(|(_, d)| d).sum();
-        if doubtful > ROUGH * whole {
-            let worst = (0..count).max_by(|&a, &b| cells[a].1.total_cmp(&cells[b].1)).unwrap_or(0);
+        let [doubtful, found] = [0, 1].map(|k| cells.iter().map(|(_, of_cell)| of_cell[k]).sum::<f64>());
+        if doubtful > ROUGH * whole.max(found) {
+            let worst = (0..count).max_by(|&a, &b| cells[a].1[0].total_cmp(&cells[b].1[0])).unwrap_or(0);
             return Err(MsfemError::Force { point: grid.centre(worst), what: "is too rough to be integrated" });
         }
+        let uncertain = cells.iter().enumerate().map(|(cell, (_, [_, _, off]))| (cell, *off));
+        let uncertain = uncertain.filter(|(_, off)| *off > 0.0).collect();
         self.body = cells.into_iter().map(|(load, _)| load).collect();
-        Ok(())
+        Ok(uncertain)
     }
 
     /// The load of a cell; zero where nothing acts.

@@ -136,8 +136,10 @@ pub fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result<(), Da
     let (low, size) = bounding_box(polygon);
     for (keys, edge) in listed_edges(polygon) {
         let [a, b] = edge.listed();
-        let (near, on) = nearest((low, size), cells, a);
-        if !on || near == nearest((low, size), cells, b).0 {
+        let [(near, on), (near_end, end_on)] = [a, b].map(|x| nearest((low, size), cells, x));
+        if !on || near == near_end {
+            // of two corners at one point of the grid the one that is off it
+            let a = if on && !end_on { b } else { a };
             let spacing = [0, 1].map(|k| size[k] / cells[k] as f64);
             let point = [0, 1].map(|k| low[k] + size[k] * near[k] / cells[k] as f64);
             let message = format!(

@@ -52,7 +52,7 @@ pub fn modulus_derivatives(
         return Ok(None);
     }
     let trace = &solved.trace;
-    let load = loads(scene, &solved.body, trace)?.0.nodal(&solved.body);
+    let load = loads(scene, &solved.body, trace)?.loads.nodal(&solved.body);
     let held = OnMesh { scene, mesh: &trace.mesh, space: &trace.space }.held()?;
     let functionals: Option<Vec<Functional>> =
         paths.iter().map(|path| functional(scene, &load, solved, path)).collect();

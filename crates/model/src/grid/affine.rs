@@ -12,7 +12,7 @@ use steklov_stochastic::{AffineFamily, AffineSolution, Coupled, TotalDegree};
 
 use super::cells::body;
 use super::layout::GridLayout;
-use super::loads::loads;
+use super::loads::{CellLoads, loads};
 use super::solve::moment;
 use super::trace::{GridTrace, node_at};
 use crate::data::on_mesh::OnMesh;
@@ -58,7 +58,7 @@ impl<'a> AffineGrid<'a> {
     pub(crate) fn new(scene: &'a Scene, layout: &GridLayout, moduli: &'a AffineModuli) -> Result<Self, SolveError> {
         let body = body(scene, layout)?;
         let trace = GridTrace::new(scene, &body.grid, |_| true)?;
-        let (loads, _) = loads(scene, &body, &trace)?;
+        let CellLoads { loads, .. } = loads(scene, &body, &trace)?;
         let held = OnMesh { scene, mesh: &trace.mesh, space: &trace.space }.held()?;
         let at_boundary: Vec<usize> = trace.lattice.iter().map(|&p| node_at(&body.grid, p)).collect();
         let supports = Supports { space: &trace.space, held: &held };

@@ -15,6 +15,11 @@ use crate::summary::{GridSummary, Probe, SideProbe};
 
 /// How far beside a point the cells around it are looked for, over the spacing.
 const BESIDE: f64 = 1e-6;
+/// Cells within which a point is beside a point of infinite stress.
+const NEAR_SINGULAR: f64 = 1.0;
+/// The same of a node at which moduli cross by as much as `CROSSING`.
+const NEAR_CROSSING: f64 = 0.5;
+const CROSSING: f64 = 5.0;
 /// Rounding errors of a factor, over those of one number, the contrast and the square of the cells across: measured up to 80.
 const OF_FACTOR: f64 = 100.0;
 
@@ -69,6 +74,23 @@ impl GridSolved {
     fn moduli(&self) -> [f64; 2] {
         let inside = self.body.grid.body_cells().map(|c| self.body.young[c]);
         inside.fold([f64::INFINITY, 0.0], |[low, high], e| [low.min(e), high.max(e)])
+    }
+
+    /// Which of these points are as near to points of infinite stress as a cell is large, or nearer than half a cell to a point where moduli
+    /// cross: the cells around have little of the field there.
+    pub(crate) fn near_singular(&self, points: &[[f64; 2]], singular: &[[f64; 2]]) -> Vec<usize> {
+        let grid = &self.body.grid;
+        let is_near = |x: [f64; 2], y: [f64; 2], cells: f64| {
+            let [dx, dy] = [0, 1].map(|k| (x[k] - y[k]) / grid.spacing[k]);
+            dx.hypot(dy) <= cells
+        };
+        let crosses = |x: [f64; 2]| {
+            let near = [0, 1].map(|k| ((x[k] - grid.origin[k]) / grid.spacing[k]).round().max(0.0) as usize);
+            grid.node(near[0], near[1])
+                .is_some_and(|node| is_near(x, grid.point(node), NEAR_CROSSING) && self.body.crossing(node) >= CROSSING)
+        };
+        let is_weak = |&x: &[f64; 2]| singular.iter().any(|&y| is_near(x, y, NEAR_SINGULAR)) || crosses(x);
+        (0..points.len()).filter(|&k| is_weak(&points[k])).collect()
     }
 
     /// Which of these points are where cells of different moduli meet: the stress there has several values, or none.

@@ -17,6 +17,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
+use steklov_bem_operators::Location;
 use steklov_elastic::principal;
 use steklov_msfem::{
     Bases, Basis, BubbleDual, BubbleResidual, CoarseCell, Elimination, Extra, HeterogeneousBody, Loads, Multiscale,
@@ -95,6 +96,14 @@ struct Number {
     value: f64,
     /// Its functionals with their weights.
     sum: Vec<(usize, f64)>,
+    /// How far it is off where it is given.
+    off: f64,
+}
+
+impl Number {
+    fn new(value: f64, sum: Vec<(usize, f64)>) -> Self {
+        Self { value, sum, off: 0.0 }
+    }
 }
 
 /// What the dual problems of a solution take from it.
@@ -163,7 +172,11 @@ impl<'a> GridFunctionals<'a> {
     fn new(scene: &'a Scene, solved: &GridSolved, fine: &GridTrace) -> Self {
         let mut this = Self { functionals: Vec::new(), numbers: Vec::new() };
         for &x in &scene.probe {
+            let first = this.numbers.len();
             this.add_point(&solved.body, &solved.displacement, x);
+            for (number, given) in this.numbers[first..].iter_mut().zip(given_at(scene, x)) {
+                number.off = given.map_or(0.0, |given| (number.value - given).abs());
+            }
         }
         for (force, side) in quantities::forces(scene, &solved.reactions) {
             for i in 0..2 {
@@ -171,7 +184,7 @@ impl<'a> GridFunctionals<'a> {
                     let w = [0, 1].map(|k| f64::from(u8::from(i == k)));
                     this.add(GridFunctional::of_forces(force[i], side, Box::new(move |_| w)));
                 } else {
-                    this.numbers.push(Number { value: force[i], sum: Vec::new() });
+                    this.numbers.push(Number::new(force[i], Vec::new()));
                 }
             }
         }
@@ -184,7 +197,7 @@ impl<'a> GridFunctionals<'a> {
                 }
                 _ => match quantity.kind.weighted_side() {
                     Some((side, w)) => this.add(GridFunctional::of_forces(value, side, Box::new(w))),
-                    None => this.numbers.push(Number { value, sum: Vec::new() }),
+                    None => this.numbers.push(Number::new(value, Vec::new())),
                 },
             }
         }
@@ -193,7 +206,7 @@ impl<'a> GridFunctionals<'a> {
 
     /// Adds a number that is one functional.
     fn add(&mut self, functional: GridFunctional<'a>) {
-        self.numbers.push(Number { value: functional.value, sum: vec![(self.functionals.len(), 1.0)] });
+        self.numbers.push(Number::new(functional.value, vec![(self.functionals.len(), 1.0)]));
         self.functionals.push(functional);
     }
 
@@ -270,7 +283,7 @@ impl<'a> GridFunctionals<'a> {
             [body.elasticity_of(cell).von_mises(stress), larger, smaller]
         };
         for (invariant, slopes) in invariants(stress).into_iter().zip(slopes(stress, invariants)) {
-            self.numbers.push(Number { value: invariant, sum: (0..3).map(|k| (first + 2 + k, slopes[k])).collect() });
+            self.numbers.push(Number::new(invariant, (0..3).map(|k| (first + 2 + k, slopes[k])).collect()));
         }
     }
 }
@@ -288,12 +301,21 @@ impl Duals<'_> {
         }
         let of_cells = self.of_fine_cells(scene, &solved.body, &u);
         let count = self.solutions.len();
-        let number = |Number { value, sum }: &Number| GridQuantity {
+        let of_loads = self.of_loads(&solved.body);
+        let number = |Number { value, sum, off }: &Number| GridQuantity {
             value: *value,
-            fine_grid: difference(sum, &of_cells, count),
+            fine_grid: difference(sum, &of_cells, count).max(*off)
+                + sum.iter().map(|&(k, weight)| weight.abs() * of_loads[k]).sum::<f64>(),
             multiscale: difference(sum, &of_coarse, count),
         };
         self.functionals.numbers.iter().map(number).collect()
+    }
+
+    /// The work of what is uncertain in body forces on each dual solution, at most.
+    fn of_loads(&self, body: &HeterogeneousBody) -> Vec<f64> {
+        let largest = |cell: usize, z: &[f64]| body.cell_values(z, cell).iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let of = |z: &Vec<f64>| self.acting.uncertain.iter().map(|&(cell, force)| force * largest(cell, z)).sum();
+        self.solutions.iter().map(of).collect()
     }
 
     /// η_T of the functionals in each fine cell, one cell after the other; u is the solution on the fine grid.
@@ -387,6 +409,18 @@ fn difference(sum: &[(usize, f64)], of_cells: &[f64], count: usize) -> f64 {
     let etas = cells.map(|etas| sum.iter().map(|&(k, weight)| weight * etas[k]).sum::<f64>());
     let (whole, size) = etas.fold((0.0, 0.0), |(whole, size), eta| (whole + eta, size + eta.abs()));
     f64::max(whole.abs(), OF_WEIGHTED * size)
+}
+
+/// The displacements that a support gives a point.
+fn given_at(scene: &Scene, [x, y]: [f64; 2]) -> [Option<f64>; 2] {
+    let Location::Boundary { edge, s } = scene.problem.outline.contains([x, y]) else { return [None; 2] };
+    let own = &scene.problem.outline.edges()[edge];
+    match &scene.problem.sides[own.side].condition {
+        Condition::Displacement { values, .. } => {
+            values.each_ref().map(|value| value.as_ref().map(|value| value.eval(x, y, own.drawn_fraction(s))))
+        }
+        _ => [None; 2],
+    }
 }
 
 /// What prescribed displacements have at the middles of fine sides beyond the mean of their ends.

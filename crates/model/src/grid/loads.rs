@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use steklov_bem_operators::{Mesh, Site};
 use steklov_msfem::{HeterogeneousBody, Loads, MsfemError};
+use steklov_problem::steklov_expression::Expression;
 use steklov_problem::{Condition, Contact, DataError, DataErrorKind, Scene};
 
 use super::trace::GridTrace;
@@ -13,12 +14,18 @@ use crate::error::SolveError;
 /// Mean tractions (stress) on fine sides (cell, side) of the boundary; None where the displacement is given.
 pub(super) type Tractions = HashMap<(usize, usize), [Option<f64>; 2]>;
 
-/// Tractions side by side of the cells on the boundary, and the body force; the means of the tractions.
-pub(super) fn loads(
-    scene: &Scene,
-    body: &HeterogeneousBody,
-    fine: &GridTrace,
-) -> Result<(Loads, Tractions), SolveError> {
+/// What acts on the cells of a grid.
+pub(super) struct CellLoads {
+    /// Tractions side by side of the cells on the boundary, and the body force.
+    pub loads: Loads,
+    /// The means of the tractions.
+    pub tractions: Tractions,
+    /// Cells whose body force is not known to rounding, each with the force by which it may be off.
+    pub uncertain: Vec<(usize, f64)>,
+}
+
+/// What acts on the cells of a grid whose boundary is `fine`.
+pub(super) fn loads(scene: &Scene, body: &HeterogeneousBody, fine: &GridTrace) -> Result<CellLoads, SolveError> {
     let (mut loads, mut tractions) = (Loads::default(), Tractions::default());
     let data = OnMesh { scene, mesh: &fine.mesh, space: &fine.space };
     for e in 0..fine.mesh.len() {
@@ -35,11 +42,26 @@ pub(super) fn loads(
             mean[i] = mean[i].map(|t| t + (moments[0][i] + moments[1][i]) / fine.mesh.length(e));
         }
     }
-    if scene.body().force.is_some() {
+    let mut uncertain = Vec::new();
+    if let Some(components) = &scene.body().force {
         let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
-        loads.set_body_force(body, force).map_err(|error| body_force_error(scene, error))?;
+        let turns = |at: [f64; 2], size: [f64; 2]| components.iter().any(|f| turns_in(f, at, size));
+        let set = loads.set_body_force_that_turns(body, force, turns);
+        uncertain = set.map_err(|error| body_force_error(scene, error))?;
     }
-    Ok((loads, tractions))
+    Ok(CellLoads { loads, tractions, uncertain })
+}
+
+/// Whether an expression has a kink or a jump between the corners and middles of a rectangle.
+fn turns_in(expression: &Expression, at: [f64; 2], size: [f64; 2]) -> bool {
+    expression.switches().iter().any(|switch| {
+        let value = |k: usize| {
+            let [i, j] = [k % 3, k / 3].map(|i| i as f64 / 2.0);
+            expression.switch_value(switch, at[0] + i * size[0], at[1] + j * size[1], 0.0)
+        };
+        let (low, high) = (0..9).map(value).fold((0.0, 0.0), |(low, high): (f64, f64), v| (low.min(v), high.max(v)));
+        low < 0.0 && high > 0.0
+    })
 }
 
 /// Moments of the traction of the remote stress where the body meets the medium around it.

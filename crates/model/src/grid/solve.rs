@@ -13,7 +13,7 @@ use super::coupled::solve_coupled;
 use super::duals::{DualData, Factors};
 use super::estimate::estimate;
 use super::layout::GridLayout;
-use super::loads::{Tractions, check_gaps, loads};
+use super::loads::{CellLoads, Tractions, check_gaps, loads};
 use super::solution::{CoarseSolved, GridSolved};
 use super::system::{Answer, System, without_motions};
 use super::trace::{GridTrace, node_at};
@@ -78,6 +78,8 @@ pub(crate) struct Acting {
     pub(super) fine: GridTrace,
     pub(super) loads: Loads,
     pub(super) tractions: Tractions,
+    /// Cells with the force by which their body force may be off.
+    pub(super) uncertain: Vec<(usize, f64)>,
     /// Supports and contact of that boundary; none where coarse cells or a medium have their own.
     on_fine: Option<(Vec<Held>, Option<ContactBoundary>)>,
 }
@@ -89,10 +91,10 @@ impl Acting {
     /// Data that are not finite.
     pub(crate) fn new(scene: &Scene, layout: &GridLayout, body: &HeterogeneousBody) -> Result<Self, SolveError> {
         let fine = GridTrace::new(scene, &body.grid, |_| true)?;
-        let (loads, tractions) = loads(scene, body, &fine)?;
+        let CellLoads { loads, tractions, uncertain } = loads(scene, body, &fine)?;
         let alone = scene.surroundings().is_none() && layout.coarse.is_none();
         let on_fine = if alone { Some(on_boundary(scene, &fine)?) } else { None };
-        Ok(Self { fine, loads, tractions, on_fine })
+        Ok(Self { fine, loads, tractions, uncertain, on_fine })
     }
 
     /// What acts in a scene on the grid of a layout.
