@@ -264,6 +264,35 @@ fn points_beside_singular_points_are_in_doubt() {
     }
 }
 
+/// J of the known field, whose support varies: ½ a(u, u) - f·u with f·u = a(u, u) - ∫ σn·u over x = 1.
+#[test]
+fn energies_are_inside_their_bars_on_every_grid() {
+    use std::f64::consts::PI;
+    let text = format!(
+        "{SQUARE}material = {{ young = 2.5, poisson = 0.25 }}\n\
+         sides.left.displacement = [0, 0]\nsides.lower.displacement = [0, 0]\nsides.upper.displacement = [0, 0]\n\
+         sides.right.displacement = [\"y*sin(pi*y)\", 0]\n\
+         body_force.value = [\"-x*(2*pi*cos(pi*y) - pi^2*y*sin(pi*y))\", \"-2*(sin(pi*y) + pi*y*cos(pi*y))\"]\n"
+    );
+    // μ = λ = 1: a(u, u) = ∫ 3 (y s)² + x² (s + π y c)², ∫ σn·u = ∫ 3 (y s)² over x = 1
+    let squares = 1.0 / 6.0 - 1.0 / (4.0 * PI * PI);
+    let bends = 0.5 + (1.0 / 6.0 + 1.0 / (4.0 * PI * PI)) * PI * PI - 0.5;
+    let exact = 0.5 * (3.0 * squares + bends / 3.0) - (3.0 * squares + bends / 3.0) + 3.0 * squares;
+    let grids =
+        [8, 16, 32].map(|n| format!("grid = {{ coarse = [{n}, {n}], fine = [1, 1] }}\nmethod.model = \"fem\"\n"));
+    let coarse = ["coupled", "oscillatory", "linear", "q1"].map(|basis| {
+        format!("grid = {{ coarse = [8, 8], fine = [8, 8], basis = \"{basis}\" }}\nmethod.model = \"msfem\"\n")
+    });
+    for grid in grids.iter().chain(&coarse) {
+        let summary = solved(&format!("{text}{grid}"));
+        let Quantity { value, uncertainty, parts, .. } = &summary.quantities["energy"];
+        let error = (value - exact).abs();
+        println!("{value} ± {uncertainty:.1e}, off by {error:.1e}, {parts:?}, {grid}");
+        assert!(error <= *uncertainty && *uncertainty < 8.0 * error, "{error:e} and {uncertainty:e}, {grid}");
+        assert!((parts.values().sum::<f64>() - uncertainty).abs() < 1e-12 * value.abs(), "{parts:?}");
+    }
+}
+
 #[test]
 fn stresses_where_cells_of_other_moduli_meet_are_in_doubt() {
     let text = format!(

@@ -21,7 +21,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Edge, Location, SAME_PLACE};
 use steklov_elastic::plane::distance;
-use steklov_problem::{Condition, Friction, Multiplier, NamedQuantity, QuantityKind, Scene};
+use steklov_problem::{Condition, Friction, Indicator, Multiplier, NamedQuantity, QuantityKind, Scene};
 
 use crate::answer::data_jumps::kinks;
 use crate::answer::probes::invariants;
@@ -219,6 +219,8 @@ pub struct Bars {
     of_energy: Option<f64>,
     /// On a grid the parts of each uncertainty: that of the fine grid and that of its coarse cells.
     parts: Vec<[f64; 2]>,
+    /// On a grid the parts of the uncertainty of J.
+    parts_of_energy: Option<[f64; 2]>,
     /// On a grid the points at which moduli jump, and those beside singular points.
     at_jumps: Vec<usize>,
     near_singular: Vec<usize>,
@@ -296,6 +298,11 @@ impl Bars {
         let parts: Vec<[f64; 2]> = quantities.iter().map(of).collect();
         let values = quantities.iter().zip(&parts).map(|(own, parts)| [own.value, parts.iter().sum()]).collect();
         let scale = if estimate.relative > 0.0 { estimate.error / estimate.relative } else { 0.0 };
+        let parts_of_energy = solved.energy(scene).map(|energy| {
+            // what the estimate sees of loads that cells do not resolve as well
+            let fine = if scene.method.indicator == Indicator::Bubble { estimate.fine_grid / 2.0 } else { 0.0 };
+            [energy.fine_grid.max(fine), energy.multiscale].map(|part| OF_DIFFERENCE * part)
+        });
         let at_jumps = solved.at_jumps(&scene.probe);
         let near_singular = solved.near_singular(&scene.probe, &singular_points(scene, solved.trace().mesh, &[]));
         let rounded = solved.digits().max(ROUNDED);
@@ -305,6 +312,7 @@ impl Bars {
             sizes: sizes(scene, scale),
             of_energy: None,
             parts,
+            parts_of_energy,
             at_jumps,
             near_singular,
             rounded,
@@ -406,13 +414,19 @@ pub(crate) struct Told<'a> {
 pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantities {
     let with =
         |value, uncertainty| Quantity { value, uncertainty, doubts: told.doubts.to_vec(), parts: BTreeMap::new() };
+    let of_parts =
+        |parts: &[f64; 2]| ON_GRID.iter().zip(parts).map(|(name, &part)| ((*name).to_owned(), part)).collect();
     let doubt = |quantity: &mut Quantity, doubt: Doubt| {
         let is_new = !quantity.doubts.iter().any(|word| word == doubt.word());
         quantity.doubts.extend(is_new.then(|| doubt.word().to_owned()));
     };
     let mut quantities = Quantities::new();
     let (energy, known) = told.energy;
-    if let Some([extrapolated, uncertainty]) = known {
+    if let Some(parts) = all.parts_of_energy {
+        let least = all.rounded * energy.abs();
+        let quantity = with(energy, parts.iter().sum::<f64>().max(least));
+        quantities.insert("energy".to_owned(), Quantity { parts: of_parts(&parts), ..quantity });
+    } else if let Some([extrapolated, uncertainty]) = known {
         let d = (extrapolated - energy).abs();
         let wide = d + uncertainty;
         let uncertainty = all.of_energy.map_or(wide, |half| wide.min(OF_DIFFERENCE * d.max(half)));
@@ -422,7 +436,7 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
     for (k, (entry, &[value, uncertainty])) in all.entries.iter().zip(&all.values).enumerate() {
         let mut quantity = with(value, uncertainty);
         if let Some(parts) = all.parts.get(k) {
-            quantity.parts = ON_GRID.iter().zip(parts).map(|(name, &part)| ((*name).to_owned(), part)).collect();
+            quantity.parts = of_parts(parts);
         }
         match entry.of {
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {

@@ -115,8 +115,23 @@ pub fn bubble_weighted_residuals(
     all
 }
 
+/// J(u_h + c) - J(u_h) in each fine cell of the bounding box, c the bubbles of its local problem: about the change of
+/// J = ½ a(u, u) - f·u to the exact solution, the work of what prescribed displacements have beyond u_h included.
+pub fn bubble_energies(body: &HeterogeneousBody, field: &BubbleResidual<'_>) -> Vec<f64> {
+    let bubbles = Bubbles::new(body);
+    let forces = bubbles.forces(field);
+    let at = |cell: usize| {
+        let Some(Local { forces, c, left, .. }) = bubbles.local(field, &forces, cell) else { return 0.0 };
+        // -ρ·c + ½ c·A c with A c = ρ - left
+        (0..10).map(|a| -0.5 * c[a] * (forces[a] + left[a])).sum()
+    };
+    (0..body.young.len()).into_par_iter().map(at).collect()
+}
+
 /// The local problem of a field in a cell.
 struct Local {
+    /// ρ.
+    forces: [f64; 10],
     /// The coefficients of the bubbles.
     c: [f64; 10],
     /// ρ - A_T c.
@@ -196,7 +211,7 @@ impl<'a> Bubbles<'a> {
             of_held[a] + (0..10).map(|b| flexibility[a][b] * (forces[b] - known[b])).sum::<f64>() / young
         });
         let product = times(&c);
-        Some(Local { c, left: std::array::from_fn(|a| forces[a] - product[a]), is_held })
+        Some(Local { c, left: std::array::from_fn(|a| forces[a] - product[a]), forces, is_held })
     }
 
     /// Σ_b c_b a(z, b) with the sides' parts of both their cells, as weights of the nodal values of z: in the cell, and in its neighbours.
@@ -226,7 +241,7 @@ impl<'a> Bubbles<'a> {
     }
 
     /// The work of the load of a dual problem on the bubbles of a cell, and of its held ones on the forces that hold u.
-    fn of_load(&self, dual: &BubbleDual<'_>, Local { c, left, is_held }: &Local, cell: usize) -> f64 {
+    fn of_load(&self, dual: &BubbleDual<'_>, Local { c, left, is_held, .. }: &Local, cell: usize) -> f64 {
         let grid = &self.body.grid;
         let mut work = 0.0;
         for side in (0..4).filter(|&side| neighbour(grid, cell, side).is_none()) {

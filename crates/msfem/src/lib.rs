@@ -102,7 +102,9 @@ pub use elasticity::Elasticity;
 pub use elimination::{Elimination, ReducedLoad};
 pub use error::MsfemError;
 pub use fine_correction::fine_correction;
-pub use fine_error::{BubbleDual, BubbleResidual, OfSide, bubble_indicators, bubble_values, bubble_weighted_residuals};
+pub use fine_error::{
+    BubbleDual, BubbleResidual, OfSide, bubble_energies, bubble_indicators, bubble_values, bubble_weighted_residuals,
+};
 pub use grid::Grid;
 pub use indicators::{Indicators, SideTraction, nodal_indicators};
 pub use load::Loads;

@@ -21,7 +21,7 @@ use steklov_bem_operators::Location;
 use steklov_elastic::principal;
 use steklov_msfem::{
     Bases, Basis, BubbleDual, BubbleResidual, CoarseCell, Elimination, Extra, HeterogeneousBody, Loads, Multiscale,
-    bubble_values, bubble_weighted_residuals, fine_correction,
+    bubble_energies, bubble_values, bubble_weighted_residuals, fine_correction,
 };
 use steklov_problem::steklov_expression::Expression;
 use steklov_problem::{Condition, QuantityKind, Scene};
@@ -129,6 +129,15 @@ impl GridSolved {
     ///
     /// *Cost*: at the first call a solution with the factor for each number, and one of the fine grid by conjugate gradients.
     pub fn quantities(&self, scene: &Scene) -> &[GridQuantity] {
+        &self.numbers(scene).0
+    }
+
+    /// J with the parts of its error, where the error bars of the other numbers are known.
+    pub fn energy(&self, scene: &Scene) -> Option<GridQuantity> {
+        self.numbers(scene).1
+    }
+
+    fn numbers(&self, scene: &Scene) -> &(Vec<GridQuantity>, Option<GridQuantity>) {
         let found = || {
             let data = self.dual_data.lock().unwrap_or_else(PoisonError::into_inner).take()?;
             let conforms = self.coarse.as_ref().is_none_or(|coarse| coarse.basis.is_conforming());
@@ -136,7 +145,7 @@ impl GridSolved {
             // what the moduli do not allow has no error bars
             known.then(|| Duals::new(scene, self, data).ok())?
         };
-        self.quantities.get_or_init(|| found().map_or(Vec::new(), |duals| duals.quantities(scene, self)))
+        self.quantities.get_or_init(|| found().map_or((Vec::new(), None), |duals| duals.quantities(scene, self)))
     }
 
     /// Frees what [`Self::quantities`] needs.
@@ -289,17 +298,21 @@ impl<'a> GridFunctionals<'a> {
 }
 
 impl Duals<'_> {
-    /// The numbers with their differences.
-    fn quantities(&self, scene: &Scene, solved: &GridSolved) -> Vec<GridQuantity> {
+    /// The numbers with their differences, and J.
+    fn quantities(&self, scene: &Scene, solved: &GridSolved) -> (Vec<GridQuantity>, Option<GridQuantity>) {
         let (mut u, mut of_coarse) = (Cow::Borrowed(&solved.displacement), Vec::new());
+        let mut energy = GridQuantity { value: solved.energies.total, fine_grid: 0.0, multiscale: 0.0 };
         if let Some(coarse) = &solved.coarse {
             let (load, forces) = (self.acting.loads.nodal(&solved.body), solved.body.forces(&solved.displacement));
             let residual: Vec<f64> = load.iter().zip(&forces).map(|(f, ku)| f - ku).collect();
             let c = fine_correction(&solved.body, &residual, &self.is_held, ENOUGH);
             of_coarse = self.of_coarse_cells(solved, coarse, &residual, &c);
+            // J(u_H) - J(u_h) = ½ a(c, c)
+            energy.multiscale = residual.iter().zip(&c).map(|(r, c)| r * c).sum::<f64>() / 2.0;
             u.to_mut().iter_mut().zip(&c).for_each(|(u, c)| *u += c);
         }
-        let of_cells = self.of_fine_cells(scene, &solved.body, &u);
+        let (of_cells, of_energy) = self.of_fine_cells(scene, &solved.body, &u);
+        energy.fine_grid = difference(&[(0, 1.0)], &of_energy, 1);
         let count = self.solutions.len();
         let of_loads = self.of_loads(&solved.body);
         let number = |Number { value, sum, off }: &Number| GridQuantity {
@@ -308,7 +321,7 @@ impl Duals<'_> {
                 + sum.iter().map(|&(k, weight)| weight.abs() * of_loads[k]).sum::<f64>(),
             multiscale: difference(sum, &of_coarse, count),
         };
-        self.functionals.numbers.iter().map(number).collect()
+        (self.functionals.numbers.iter().map(number).collect(), Some(energy))
     }
 
     /// The work of what is uncertain in body forces on each dual solution, at most.
@@ -318,8 +331,8 @@ impl Duals<'_> {
         self.solutions.iter().map(of).collect()
     }
 
-    /// η_T of the functionals in each fine cell, one cell after the other; u is the solution on the fine grid.
-    fn of_fine_cells(&self, scene: &Scene, body: &HeterogeneousBody, u: &[f64]) -> Vec<f64> {
+    /// η_T of the functionals in each fine cell, one cell after the other, and the changes of J; u is the solution on the fine grid.
+    fn of_fine_cells(&self, scene: &Scene, body: &HeterogeneousBody, u: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let Acting { loads, tractions, fine, .. } = &self.acting;
         let given = |cell: usize, side: usize| tractions.get(&(cell, side)).copied().unwrap_or([Some(0.0); 2]);
         let missed = missed(scene, body, fine);
@@ -343,7 +356,7 @@ impl Duals<'_> {
                 of_cell: functional.of_cell,
             })
             .collect();
-        bubble_weighted_residuals(body, &primal, &duals)
+        (bubble_weighted_residuals(body, &primal, &duals), bubble_energies(body, &primal))
     }
 
     /// J(u_h) - J(u_H) of the functionals in each coarse cell, one cell after the other: -ρ_z·c at its nodes with c = u_h - u_H; and last what

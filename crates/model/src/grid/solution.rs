@@ -55,7 +55,7 @@ pub struct GridSolved {
     pub(crate) jump_oscillation: Vec<f64>,
     /// What the dual problems of its numbers take, and these numbers once they are known.
     pub(super) dual_data: Mutex<Option<DualData>>,
-    pub(super) quantities: OnceLock<Vec<GridQuantity>>,
+    pub(super) quantities: OnceLock<(Vec<GridQuantity>, Option<GridQuantity>)>,
 }
 
 /// The coarse part of a multiscale solution.
