@@ -37,6 +37,7 @@ pub mod mesh;
 mod named;
 pub mod numbers;
 pub mod quantities;
+mod reacting;
 pub mod refine;
 pub mod run;
 pub mod solve;

@@ -19,9 +19,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
-use steklov_bem_operators::{Edge, Location, SAME_PLACE};
+use steklov_bem_operators::{Location, SAME_PLACE};
 use steklov_elastic::plane::distance;
-use steklov_problem::{Condition, Friction, Indicator, Multiplier, NamedQuantity, QuantityKind, Scene};
+use steklov_problem::{Indicator, Multiplier, NamedQuantity, QuantityKind, Scene};
 
 use crate::answer::data_jumps::kinks;
 use crate::answer::probes::invariants;
@@ -32,6 +32,7 @@ use crate::doubt::Doubt;
 use crate::estimate::error_estimate::{Bubble, Estimate};
 use crate::grid::{GridQuantity, GridSolved};
 use crate::named::components;
+use crate::reacting::{shared, works_alone};
 use crate::solve::contact_rows::{ContactRow, TOUCHING};
 use crate::solve::fields::ElasticField;
 use crate::summary::{Named, Probe};
@@ -493,58 +494,4 @@ fn touches_at(rows: &[ContactRow], x: [f64; 2]) -> bool {
     let nearest = rows.iter().min_by(|a, b| distance(a.point, x).total_cmp(&distance(b.point, x)));
     let largest = rows.iter().fold(0.0, |largest: f64, row| largest.max(row.pressure));
     nearest.is_some_and(|row| row.pressure > TOUCHING * largest)
-}
-
-/// The components in which a side reacts.
-pub(crate) fn reacting(scene: &Scene, side: usize) -> [bool; 2] {
-    let own = scene.problem.outline.edges().iter().filter(|edge| edge.side == side);
-    own.map(|edge| reacts(scene, edge)).fold([false; 2], |all, own| [all[0] | own[0], all[1] | own[1]])
-}
-
-/// The components of the force that a support or an obstacle may have along an edge.
-fn reacts(scene: &Scene, edge: &Edge) -> [bool; 2] {
-    let side = &scene.problem.sides[edge.side];
-    let held = match &side.condition {
-        Condition::Displacement { values, .. } => values.each_ref().map(Option::is_some),
-        _ => [false; 2],
-    };
-    let touched = match scene.problem.contact(edge.side) {
-        None => [false; 2],
-        Some(contact) if matches!(contact.friction, Friction::None) && edge.is_line() => {
-            edge.normal(0.5).map(|n| n.abs() > SAME_PLACE)
-        }
-        Some(_) => [true; 2],
-    };
-    [0, 1].map(|k| held[k] || touched[k] || side.springs.is_some())
-}
-
-/// The corners of a side at which both it and another side may have a component of a force: how much is whose is known to the mesh alone.
-fn shared_corners(scene: &Scene, side: usize) -> Vec<([f64; 2], [bool; 2])> {
-    let outline = &scene.problem.outline;
-    let edges = outline.edges();
-    let mut corners = Vec::new();
-    for k in (0..edges.len()).filter(|&k| edges[k].side == side) {
-        for at_end in [false, true] {
-            let (other, _) = outline.neighbour(k, at_end);
-            if edges[other].side != side {
-                let (own, others) = (reacts(scene, &edges[k]), reacts(scene, &edges[other]));
-                corners.push((edges[k].point(f64::from(u8::from(at_end))), [0, 1].map(|i| own[i] && others[i])));
-            }
-        }
-    }
-    corners
-}
-
-/// The components of the force of a side of which a corner has a part that is another side's as well.
-fn shared(scene: &Scene, side: usize) -> [bool; 2] {
-    shared_corners(scene, side).iter().fold([false; 2], |all, (_, own)| [all[0] | own[0], all[1] | own[1]])
-}
-
-/// Whether the force of a side does no work on w where it shares a corner.
-fn works_alone(scene: &Scene, side: usize, w: impl Fn([f64; 2]) -> [f64; 2]) -> bool {
-    let moves = |&(x, shared): &([f64; 2], [bool; 2])| {
-        let w = w(x);
-        (0..2).any(|i| shared[i] && w[i] != 0.0)
-    };
-    !shared_corners(scene, side).iter().any(moves)
 }

@@ -26,6 +26,7 @@ use crate::estimate::elastic::Elastic;
 use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame};
 use crate::estimate::functionals::has_duals;
 use crate::quantities::{self, EstimatedQuantity};
+use crate::reacting::reacting;
 use crate::solve::body::{Body, Factors};
 use crate::solve::fields::{ElasticField, Field};
 use crate::solve::solution::Solved;
@@ -170,7 +171,7 @@ impl OnMesh<'_> {
 
     /// The change of the force of a side by that of the nodal forces.
     fn change_of_force(&self, side: usize, change: &[f64]) -> [f64; 2] {
-        let reacts = quantities::reacting(self.scene, side);
+        let reacts = reacting(self.scene, side);
         let sum = |i: usize| self.nodes_of(side).iter().map(|node| change[2 * node + i]).sum::<f64>();
         [0, 1].map(|i| if reacts[i] { sum(i) } else { 0.0 })
     }
@@ -184,7 +185,7 @@ impl OnMesh<'_> {
             if !self.is_balanced(side) {
                 return Some(work);
             }
-            let reacts = quantities::reacting(self.scene, side);
+            let reacts = reacting(self.scene, side);
             let gained = |&node: &usize| {
                 let force = [0, 1].map(|i| if reacts[i] { change[2 * node + i] } else { 0.0 });
                 dot(w(self.space.points[node]), force)

@@ -13,6 +13,7 @@ use crate::data::on_mesh::OnMesh;
 use crate::estimate::contact_ends::ContactEnd;
 use crate::named::elements_at;
 use crate::quantities;
+use crate::reacting::reacting;
 use crate::solve::fields::Field;
 use crate::solve::solution::Solved;
 
@@ -115,7 +116,7 @@ impl OnMesh<'_> {
 
     /// Σ w·R over the nodes of a side, in the components in which it reacts.
     fn of_forces(&self, side: usize, w: impl Fn([f64; 2]) -> [f64; 2]) -> LinearFunctional {
-        let reacts = quantities::reacting(self.scene, side);
+        let reacts = reacting(self.scene, side);
         let mut of_forces = vec![0.0; self.space.dofs()];
         for node in self.nodes_of(side) {
             let w = w(self.space.points[node]);

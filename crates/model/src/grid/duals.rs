@@ -17,22 +17,20 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
-use steklov_bem_operators::Location;
-use steklov_elastic::principal;
 use steklov_msfem::{
-    Bases, Basis, BubbleDual, BubbleResidual, CoarseCell, Elimination, Extra, HeterogeneousBody, Loads, Multiscale,
-    bubble_energies, bubble_values, bubble_weighted_residuals, fine_correction,
+    Bases, Basis, BubbleDual, BubbleResidual, CoarseCell, Elimination, Extra, HeterogeneousBody, Multiscale,
+    bubble_energies, bubble_weighted_residuals, fine_correction,
 };
 use steklov_problem::steklov_expression::Expression;
-use steklov_problem::{Condition, QuantityKind, Scene};
+use steklov_problem::{Condition, Scene};
 
+use super::functionals::{GridFunctional, GridFunctionals, Number, Weight};
 use super::solution::{CoarseSolved, GridSolved};
-use super::solve::{Acting, lift, weights_at};
+use super::solve::Acting;
+use super::solve_coarse::lift;
 use super::trace::GridTrace;
-use crate::answer::probes::slopes;
 use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
-use crate::quantities;
 
 /// The part of Σ |η_T| that a difference has at least.
 const OF_WEIGHTED: f64 = 0.5;
@@ -48,62 +46,6 @@ pub struct GridQuantity {
     pub fine_grid: f64,
     /// The difference to the solution on the fine grid that coarse cells make; 0 without any.
     pub multiscale: f64,
-}
-
-/// A linear functional J, as the load of its dual problem.
-struct GridFunctional<'a> {
-    /// J(u) as it is told.
-    value: f64,
-    /// -j: the moments against the bilinear functions of cells.
-    load: Loads,
-    /// The same against the bubbles of a cell.
-    of_cell: Option<(usize, [f64; 10])>,
-    /// The same as a mean traction on sides of cells.
-    traction: HashMap<(usize, usize), [f64; 2]>,
-    /// Side whose forces do work on w, and w.
-    of_forces: Option<(usize, Weight<'a>)>,
-}
-
-/// A field at points.
-type Weight<'a> = Box<dyn Fn([f64; 2]) -> [f64; 2] + Sync + 'a>;
-
-impl<'a> GridFunctional<'a> {
-    fn of_load(value: f64, load: Loads) -> Self {
-        Self { value, load, of_cell: None, traction: HashMap::new(), of_forces: None }
-    }
-
-    fn of_forces(value: f64, side: usize, w: Weight<'a>) -> Self {
-        Self { of_forces: Some((side, w)), ..Self::of_load(value, Loads::default()) }
-    }
-
-    /// What is held in the dual problem, at the nodes of a boundary.
-    fn held(&self, trace: &GridTrace, held: &[Held]) -> Vec<Held> {
-        match &self.of_forces {
-            Some((side, w)) => weights_at(trace, held, *side, w),
-            None => weights_at(trace, held, usize::MAX, &|_| [0.0; 2]),
-        }
-    }
-}
-
-/// The functionals of the numbers of a scene, and those that are told: each is a sum of functionals with weights.
-struct GridFunctionals<'a> {
-    functionals: Vec<GridFunctional<'a>>,
-    numbers: Vec<Number>,
-}
-
-/// A number that is told.
-struct Number {
-    value: f64,
-    /// Its functionals with their weights.
-    sum: Vec<(usize, f64)>,
-    /// How far it is off where it is given.
-    off: f64,
-}
-
-impl Number {
-    fn new(value: f64, sum: Vec<(usize, f64)>) -> Self {
-        Self { value, sum, off: 0.0 }
-    }
 }
 
 /// What the dual problems of a solution take from it.
@@ -166,7 +108,7 @@ impl<'a> Duals<'a> {
     fn new(scene: &'a Scene, solved: &GridSolved, data: DualData) -> Result<Self, SolveError> {
         let DualData { acting, is_held, factors } = data;
         let functionals = GridFunctionals::new(scene, solved, &acting.fine);
-        let solutions = functionals.solutions(solved, &acting, factors)?;
+        let solutions = solutions(&functionals.functionals, solved, &acting, factors)?;
         Ok(Self { functionals, solutions, acting, is_held })
     }
 }
@@ -176,125 +118,36 @@ fn are_known(scene: &Scene) -> bool {
     scene.random.is_none() && scene.surroundings().is_none() && scene.contacts().next().is_none()
 }
 
-impl<'a> GridFunctionals<'a> {
-    /// Those of a solution, in the order of [`quantities::Bars`]: points, forces of supports, named numbers.
-    fn new(scene: &'a Scene, solved: &GridSolved, fine: &GridTrace) -> Self {
-        let mut this = Self { functionals: Vec::new(), numbers: Vec::new() };
-        for &x in &scene.probe {
-            let first = this.numbers.len();
-            this.add_point(&solved.body, &solved.displacement, x);
-            for (number, given) in this.numbers[first..].iter_mut().zip(given_at(scene, x)) {
-                number.off = given.map_or(0.0, |given| (number.value - given).abs());
-            }
-        }
-        for (force, side) in quantities::forces(scene, &solved.reactions) {
-            for i in 0..2 {
-                if scene.problem.sides[side].holds(i) {
-                    let w = [0, 1].map(|k| f64::from(u8::from(i == k)));
-                    this.add(GridFunctional::of_forces(force[i], side, Box::new(move |_| w)));
-                } else {
-                    this.numbers.push(Number::new(force[i], Vec::new()));
-                }
-            }
-        }
-        let mut values = solved.named(scene, fine).into_iter();
-        for quantity in &scene.quantities {
-            let value = values.next().unwrap_or(f64::NAN);
-            match quantity.kind {
-                QuantityKind::MeanDisplacement(side) => {
-                    this.add_mean(solved, fine, side, [value, values.next().unwrap_or(f64::NAN)]);
-                }
-                _ => match quantity.kind.weighted_side() {
-                    Some((side, w)) => this.add(GridFunctional::of_forces(value, side, Box::new(w))),
-                    None => this.numbers.push(Number::new(value, Vec::new())),
-                },
-            }
-        }
-        this
+/// The dual solutions on the fine nodes.
+fn solutions(
+    functionals: &[GridFunctional<'_>],
+    solved: &GridSolved,
+    acting: &Acting,
+    factors: Factors,
+) -> Result<Vec<Vec<f64>>, SolveError> {
+    let (body, trace, fine) = (&solved.body, &solved.trace, &acting.fine);
+    let Factors { elimination, held: fine_held, coarse } = factors;
+    let values = |space, held: &[Held]| Supports { space, held }.values();
+    let (Some((bases, held)), Some(of_mesh)) = (coarse, &solved.coarse) else {
+        let loads: Vec<Vec<f64>> = functionals.iter().map(|f| f.load.nodal(body)).collect();
+        let held: Vec<Vec<f64>> = functionals.iter().map(|f| values(&fine.space, &f.held(fine, &fine_held))).collect();
+        return Ok(elimination.fields(&loads, &held));
+    };
+    let problem = Multiscale::with_bases(body, of_mesh.mesh.clone(), bases);
+    let (mut loads, mut of_held, mut extras) = (Vec::new(), Vec::new(), Vec::new());
+    for functional in functionals {
+        let (own, own_fine) = (functional.held(trace, &held), functional.held(fine, &fine_held));
+        let lift = lift(&problem, fine, &own_fine, trace, &own);
+        let extra = Extra { bubbles: problem.basis != Basis::Q1, lift };
+        loads.push(problem.load(&functional.load, &extra)?);
+        of_held.push(values(&trace.space, &own));
+        extras.push(extra);
     }
-
-    /// Adds a number that is one functional.
-    fn add(&mut self, functional: GridFunctional<'a>) {
-        self.numbers.push(Number::new(functional.value, vec![(self.functionals.len(), 1.0)]));
-        self.functionals.push(functional);
-    }
-
-    /// The mean displacement of a side.
-    fn add_mean(&mut self, solved: &GridSolved, fine: &GridTrace, side: usize, value: [f64; 2]) {
-        let mesh = &fine.mesh;
-        let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
-        let length: f64 = elements.iter().map(|&e| mesh.length(e)).sum();
-        for k in 0..2 {
-            let mut functional = GridFunctional::of_load(value[k], Loads::default());
-            let mut traction = [0.0; 2];
-            traction[k] = -1.0 / length;
-            for &e in &elements {
-                let (cell, number) = fine.cell(&solved.body.grid, e);
-                functional.load.add_side(cell, number, [traction.map(|t| t * mesh.length(e) / 2.0); 2]);
-                functional.traction.insert((cell, number), traction);
-            }
-            self.add(functional);
-        }
-    }
-
-    /// The dual solutions on the fine nodes.
-    fn solutions(&self, solved: &GridSolved, acting: &Acting, factors: Factors) -> Result<Vec<Vec<f64>>, SolveError> {
-        let (body, trace, fine) = (&solved.body, &solved.trace, &acting.fine);
-        let Factors { elimination, held: fine_held, coarse } = factors;
-        let values = |space, held: &[Held]| Supports { space, held }.values();
-        let (Some((bases, held)), Some(of_mesh)) = (coarse, &solved.coarse) else {
-            let loads: Vec<Vec<f64>> = self.functionals.iter().map(|f| f.load.nodal(body)).collect();
-            let held: Vec<Vec<f64>> =
-                self.functionals.iter().map(|f| values(&fine.space, &f.held(fine, &fine_held))).collect();
-            return Ok(elimination.fields(&loads, &held));
-        };
-        let problem = Multiscale::with_bases(body, of_mesh.mesh.clone(), bases);
-        let (mut loads, mut of_held, mut extras) = (Vec::new(), Vec::new(), Vec::new());
-        for functional in &self.functionals {
-            let (own, own_fine) = (functional.held(trace, &held), functional.held(fine, &fine_held));
-            let lift = lift(&problem, fine, &own_fine, trace, &own);
-            let extra = Extra { bubbles: problem.basis != Basis::Q1, lift };
-            loads.push(problem.load(&functional.load, &extra)?);
-            of_held.push(values(&trace.space, &own));
-            extras.push(extra);
-        }
-        let fields = elimination.fields(&loads, &of_held).into_iter().zip(&extras).zip(&self.functionals);
-        let fine = |((coarse, extra), functional): ((Vec<f64>, &Extra), &GridFunctional<'_>)| {
-            Ok(problem.downscale(&coarse, &functional.load, extra, &mut |_| true)?)
-        };
-        fields.map(fine).collect()
-    }
-
-    /// Displacement, stress and its invariants at a point.
-    fn add_point(&mut self, body: &HeterogeneousBody, u: &[f64], x: [f64; 2]) {
-        let first = self.functionals.len();
-        let Some((cell, local)) = body.grid.locate(x) else { unreachable!("points are in the body") };
-        let of_bubbles = bubble_values(body, cell, local);
-        let unit = |a: usize| std::array::from_fn(|b| f64::from(u8::from(a == b)));
-        let at = |values: &[f64; 8]| {
-            let [x, y] = local;
-            let hats = [(1.0 - x) * (1.0 - y), x * (1.0 - y), x * y, (1.0 - x) * y];
-            let sum = |k: usize| (0..4).map(|node| hats[node] * values[2 * node + k]).sum::<f64>();
-            let [xx, yy, xy] = body.stress(cell, values, local);
-            [sum(0), sum(1), xx, yy, xy]
-        };
-        let values = at(&body.cell_values(u, cell));
-        let of_nodes: [[f64; 5]; 8] = std::array::from_fn(|a| at(&unit(a)));
-        for k in 0..5 {
-            let mut load = Loads::default();
-            load.boundary.insert(cell, of_nodes.map(|values| -values[k]));
-            let of_cell = Some((cell, of_bubbles.map(|values| -values[k])));
-            self.add(GridFunctional { of_cell, ..GridFunctional::of_load(values[k], load) });
-        }
-        let [_, _, stress @ ..] = values;
-        let invariants = |stress: [f64; 3]| {
-            let [larger, smaller] = principal(stress);
-            [body.elasticity_of(cell).von_mises(stress), larger, smaller]
-        };
-        for (invariant, slopes) in invariants(stress).into_iter().zip(slopes(stress, invariants)) {
-            self.numbers.push(Number::new(invariant, (0..3).map(|k| (first + 2 + k, slopes[k])).collect()));
-        }
-    }
+    let fields = elimination.fields(&loads, &of_held).into_iter().zip(&extras).zip(functionals);
+    let fine = |((coarse, extra), functional): ((Vec<f64>, &Extra), &GridFunctional<'_>)| {
+        Ok(problem.downscale(&coarse, &functional.load, extra, &mut |_| true)?)
+    };
+    fields.map(fine).collect()
 }
 
 impl Duals<'_> {
@@ -422,18 +275,6 @@ fn difference(sum: &[(usize, f64)], of_cells: &[f64], count: usize) -> f64 {
     let etas = cells.map(|etas| sum.iter().map(|&(k, weight)| weight * etas[k]).sum::<f64>());
     let (whole, size) = etas.fold((0.0, 0.0), |(whole, size), eta| (whole + eta, size + eta.abs()));
     f64::max(whole.abs(), OF_WEIGHTED * size)
-}
-
-/// The displacements that a support gives a point.
-fn given_at(scene: &Scene, [x, y]: [f64; 2]) -> [Option<f64>; 2] {
-    let Location::Boundary { edge, s } = scene.problem.outline.contains([x, y]) else { return [None; 2] };
-    let own = &scene.problem.outline.edges()[edge];
-    match &scene.problem.sides[own.side].condition {
-        Condition::Displacement { values, .. } => {
-            values.each_ref().map(|value| value.as_ref().map(|value| value.eval(x, y, own.drawn_fraction(s))))
-        }
-        _ => [None; 2],
-    }
 }
 
 /// What prescribed displacements have at the middles of fine sides beyond the mean of their ends.

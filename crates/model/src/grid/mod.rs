@@ -20,6 +20,7 @@ mod coupled;
 mod duals;
 mod error_parts;
 mod estimate;
+mod functionals;
 mod layout;
 mod loads;
 mod oscillation;
@@ -27,6 +28,7 @@ mod refine;
 mod run;
 mod solution;
 mod solve;
+mod solve_coarse;
 mod system;
 mod trace;
 
