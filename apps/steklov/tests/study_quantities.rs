@@ -70,6 +70,35 @@ fn errors_are_the_true_ones_and_shares_those_of_the_rows() {
     assert_eq!(csv.lines().count(), 1 + points().count());
 }
 
+/// Halved cells against cells of a quarter of the last ones, and coarse cells that adapt against fine cells of a quarter.
+#[test]
+fn grids_are_judged_by_finer_ones() {
+    let place = Place::new();
+    let scene = |grid: &str| {
+        format!(
+            "title = \"Plate\"\n[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"lower\", \"right\", \"upper\", \"left\"]\n\
+             [material]\nyoung = 10\npoisson = 0.3\n[sides.left]\ndisplacement = [0, 0]\n[sides.right]\ntraction = [1, \"y\"]\n\
+             [probe]\npoints = [[1.13, 0.37], [0.71, 0.82]]\n[quantities]\nmean = {{ mean_displacement = \"right\" }}\n\
+             [grid]\n{grid}\n"
+        )
+    };
+    let cases = [
+        ("halved", "coarse = [8, 4]\nfine = [1, 1]\n[method]\nmodel = \"fem\"\ntolerance = 1e-9\nmax_dofs = 20000", 5),
+        ("coarse", "coarse = [4, 2]\nfine = [8, 8]\n[method]\nmodel = \"msfem\"\ntolerance = 1e-9\nmax_steps = 3", 3),
+    ];
+    for (name, grid, steps) in cases {
+        place.write(&format!("{name}.toml"), scene(grid));
+        let ran = place.run(["study", &format!("{name}.toml"), "--what", "quantities", "--json", "--quiet"]).demand(0);
+        let o: Value = serde_json::from_str(&ran.out).unwrap();
+        let quantities = o["quantities"].as_array().unwrap();
+        let mean = quantities.iter().find(|q| q["name"] == "mean_displacement.mean.x").unwrap();
+        assert_eq!(mean["points"].as_array().unwrap().len(), steps, "{name}: {mean}");
+        let shares = &o["shares"][0];
+        let of = |key: &str| shares[key].as_f64().unwrap_or(f64::NAN);
+        assert!(of("count") > 20.0 && of("above_0.5") >= 0.95 && of("below_10") >= 0.8, "{name}: {shares}");
+    }
+}
+
 #[test]
 fn what_has_no_bars_at_steps_is_refused() {
     let place = Place::new();
@@ -83,7 +112,7 @@ fn what_has_no_bars_at_steps_is_refused() {
         WAVES.replace("[quantities]\ncrest = { pressure_at = [0, 0] }", "[grid]\nfine = [8, 48]\ncoarse = [2, 12]"),
     );
     let ran = place.run(["study", "grid.toml", "--what", "quantities", "--set", "method.model=\"fem\""]).demand(1);
-    assert!(ran.err.contains("the scene has a grid") && ran.err.contains("--what multiscale"), "{}", ran.err);
+    assert!(ran.err.contains("a grid with contact") && ran.err.contains("leave the grid out"), "{}", ran.err);
 
     let random = WAVES
         .replace("0.01726149809664721", "\"0.017 + 0.001*g\"")

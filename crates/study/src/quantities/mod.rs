@@ -4,6 +4,7 @@
 //! run of another first mesh to a tenth of the tolerance ─► reference ─┐
 //! run of the scene, its numbers at every step ────────────────────────┴► Series of each quantity ─► shares ─► report, draw
 //! ```
+//! On a grid the reference has bilinear elements on fine cells cut into 4 × 4.
 
 mod series;
 mod report;
@@ -13,10 +14,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_document::Source;
 use steklov_model::error::SolveError;
-use steklov_model::run::adaptive_loop::{Observer, Progress, Reason, run};
+use steklov_model::grid::{GridLayout, OnGrid};
+use steklov_model::run::adaptive_loop::{Model, Observer, Progress, Reason, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::Summary;
-use steklov_problem::{DataError, DataErrorKind, Refine, Scene};
+use steklov_problem::{DataError, DataErrorKind, Refine, Scene, grid_of};
 
 use crate::error::StudyError;
 use crate::settings::Setting;
@@ -30,6 +32,8 @@ pub use series::{Judged, Series, Shares};
 const TOLERANCE: f64 = 1e-6;
 /// Tolerance of the reference, over that of the scene; quantities converge at twice the rate of the energy norm.
 const SHARPER: f64 = 0.1;
+/// Most unknowns of a reference on a grid.
+const LARGEST: f64 = 1.5e6;
 /// Least tolerance of the reference, because of rounding errors.
 const LEAST: f64 = 3e-8;
 
@@ -59,25 +63,29 @@ impl QuantityStudy<'_> {
 
 /// The settings for a scene, unless the user overrides them.
 pub(crate) fn settings(scene: &Scene) -> Vec<Setting> {
-    scene.method.tolerance.is_none().then_some(Setting::Tolerance(TOLERANCE)).into_iter().collect()
+    (scene.method.tolerance.is_none() && !scene.is_on_grid())
+        .then_some(Setting::Tolerance(TOLERANCE))
+        .into_iter()
+        .collect()
 }
 
 /// Checks that a scene can be studied.
 ///
 /// # Errors
-/// A scene on a grid, with random input or of one mesh: such numbers have no error bars, or no steps.
+/// A scene with random input, on a grid with contact or in a medium, or of one mesh of boundary elements: such numbers have no error bars,
+/// or no steps.
 pub fn check(scene: &Scene) -> Result<(), DataError> {
     let refuse = |key: &str, why: &str, help: &'static str| {
-        let message = format!("the study is about error bars at the steps of boundary elements, and {why}");
+        let message = format!("the study is about error bars at the steps of a run, and {why}");
         Err(DataError::at(DataErrorKind::Unsupported, &[vec![key]], message, help))
     };
-    if scene.is_on_grid() {
-        return refuse("grid", "the scene has a grid", "study --what multiscale, or leave the grid out");
+    if scene.is_on_grid() && (scene.surroundings().is_some() || scene.contacts().next().is_some()) {
+        return refuse("grid", "those on a grid with contact or in a medium are not known", "leave the grid out");
     }
     if scene.random.is_some() {
         return refuse("random", "the scene has random input", "study --what stochastic, or leave [random] out");
     }
-    if scene.method.refine == Refine::None {
+    if scene.method.refine == Refine::None && !scene.is_on_grid() {
         return refuse("method", "its mesh is not refined", "set method.refine = \"hp\"");
     }
     Ok(())
@@ -89,9 +97,19 @@ pub fn check(scene: &Scene) -> Result<(), DataError> {
 /// Those of [`check`], of the reference, and of the first step; an error of a later step is kept.
 pub fn study<'a>(scene: &'a Scene, source: &'a Source, watch: &mut Watch<'_>) -> Result<QuantityStudy<'a>, StudyError> {
     check(scene)?;
-    let reference = reference(scene, watch)?;
     let mut steps = Vec::new();
-    let told = each_step(scene, watch, &mut |summary| steps.push(summary));
+    let (reference, told) = if scene.is_on_grid() {
+        let mut parts = 1;
+        let told = each_step(scene, watch, Progress::<OnGrid>::new(scene, Vec::new())?, &mut |summary, layout| {
+            parts = layout.parts;
+            steps.push(summary);
+        });
+        (reference_on_grid(scene, parts, watch)?, told)
+    } else {
+        let reference = reference(scene, watch)?;
+        let first = Progress::<BoundaryElements>::first(scene);
+        (reference, each_step(scene, watch, first, &mut |summary, _| steps.push(summary)))
+    };
     let failure = match told {
         Err(error) if steps.is_empty() => return Err(error.into()),
         Err(SolveError::Interrupted) | Ok(()) => None,
@@ -116,14 +134,40 @@ fn reference(scene: &Scene, watch: &mut Watch<'_>) -> Result<Summary, StudyError
     }
 }
 
-/// Passes the numbers of every step of a run to `found`, as if it had ended there.
-fn each_step(scene: &Scene, watch: &mut Watch<'_>, found: &mut dyn FnMut(Summary)) -> Result<(), SolveError> {
+/// The numbers of bilinear elements on fine cells of which each is cut into more than a run had, along both axes.
+fn reference_on_grid(scene: &Scene, parts: usize, watch: &mut Watch<'_>) -> Result<Summary, StudyError> {
+    let mut fine = scene.clone();
+    (fine.method.refine, fine.method.max_dofs) = (Refine::None, None);
+    let cells = grid_of(scene).map(|grid| grid.cells)?;
+    let dofs = |cut: usize| cells.iter().map(|n| (n * parts * cut + 1) as f64).product::<f64>() * 2.0;
+    let Some(cut) = [4, 2].into_iter().find(|&cut| dofs(cut) <= LARGEST) else {
+        let message = format!("a reference of half the cells' size has {} unknowns, more than {LARGEST}", dofs(2));
+        let help = "study the scene with fewer cells, or with a smaller method.max_dofs or max_steps";
+        return Err(DataError::at(DataErrorKind::Unsupported, &[vec!["grid"]], message, help).into());
+    };
+    let first = Progress { steps: Vec::new(), next: GridLayout { parts: cut * parts, coarse: None, around: None } };
+    let run = run::<OnGrid>(&fine, first, watch.interrupts(), &mut |step, event| {
+        watch.tell_step::<OnGrid>("reference", "", step, &event);
+        Ok(())
+    })?;
+    match run.reason {
+        Reason::Interrupted => Err(SolveError::Interrupted.into()),
+        _ => Ok(Summary::of_run(&fine, &run, None)),
+    }
+}
+
+/// Passes the numbers and the layout of every step of a run to `found`, as if it had ended there.
+fn each_step<M: Model>(
+    scene: &Scene,
+    watch: &mut Watch<'_>,
+    mut progress: Progress<M>,
+    found: &mut dyn FnMut(Summary, &M::Kept),
+) -> Result<(), SolveError> {
     // after one wish to stop a run ends with the step that it is in
     let one_step = AtomicUsize::new(1);
-    let mut progress = Progress::first(scene);
     while !watch.stopped() {
         let interrupts = watch.interrupts();
-        let observe: &mut Observer<'_, BoundaryElements> = &mut |step, event| {
+        let observe: &mut Observer<'_, M> = &mut |step, event| {
             watch.tell_step("steps", "", step, &event);
             match interrupts.load(Ordering::Relaxed) {
                 0 | 1 => Ok(()),
@@ -131,7 +175,7 @@ fn each_step(scene: &Scene, watch: &mut Watch<'_>, found: &mut dyn FnMut(Summary
             }
         };
         let ended = run(scene, progress, &one_step, observe)?;
-        found(Summary::of_run(scene, &ended, None));
+        found(Summary::of_run(scene, &ended, None), &ended.step().layout);
         if ended.reason != Reason::Interrupted {
             break;
         }
