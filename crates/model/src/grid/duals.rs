@@ -83,7 +83,7 @@ impl GridSolved {
         let found = || {
             let data = self.dual_data.lock().unwrap_or_else(PoisonError::into_inner).take()?;
             let conforms = self.coarse.as_ref().is_none_or(|coarse| coarse.basis.is_conforming());
-            let known = are_known(scene) && self.free_motions.is_empty() && conforms;
+            let known = self.free_motions.is_empty() && conforms;
             // what the moduli do not allow has no error bars
             known.then(|| Duals::new(scene, self, data).ok())?
         };
@@ -114,7 +114,7 @@ impl<'a> Duals<'a> {
 }
 
 /// Whether error bars of numbers are known: without contact, a medium and random input.
-fn are_known(scene: &Scene) -> bool {
+pub(super) fn are_known(scene: &Scene) -> bool {
     scene.random.is_none() && scene.surroundings().is_none() && scene.contacts().next().is_none()
 }
 

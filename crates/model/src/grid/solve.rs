@@ -9,7 +9,7 @@ use steklov_problem::Scene;
 
 use super::cells::body;
 use super::coupled::solve_coupled;
-use super::duals::{DualData, Factors};
+use super::duals::{DualData, Factors, are_known};
 use super::estimate::estimate;
 use super::layout::GridLayout;
 use super::loads::{CellLoads, Tractions, check_gaps, loads};
@@ -43,6 +43,7 @@ pub fn solve_grid(
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.9))?;
     solved.estimate = estimate(scene, &solved, &acting.loads, acting.tractions.clone(), &is_held)?;
+    let factors = factors.filter(|_| are_known(scene));
     solved.dual_data = Mutex::new(factors.map(|factors| DualData { acting, is_held, factors }));
     if solved.estimate.as_ref().is_some_and(|e| !e.error.is_finite()) {
         return Err(SolveError::NotFinite { energy: solved.energies.total });
