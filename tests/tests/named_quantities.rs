@@ -145,6 +145,12 @@ fn what_is_none_of_the_scene_is_refused() {
             "stands without weighted_force",
             "remove",
         ),
+        (
+            "random.g = { distribution = \"uniform\", low = 1, high = 2 }\nsides.top.pressure = \"g\"\n\
+             quantities.w = { weighted_force = \"left\", weight = [\"g\", 0] }",
+            "uses the random g",
+            "of x and y alone",
+        ),
         ("quantities.w = { weighted_force = \"left\", weight = [\"s\", 0] }", "uses s", "use x and y"),
         (
             "quantities.w = { weighted_force = \"left\", weight = [\"1/(y - 0.5)\", 0] }",

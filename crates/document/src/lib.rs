@@ -230,8 +230,9 @@ fn scene(
     let around = problem.tie().is_some();
     let probe::Probes { points: probe, lines: probe_lines, sides: probe_sides } =
         fields.get("probe").map_or_else(|| Ok(Default::default()), |p| probe::probe(&p, &problem))?;
-    let quantities =
-        fields.get("quantities").map_or_else(|| Ok(Vec::new()), |q| quantities::quantities(&q, &problem, &context))?;
+    let quantities = fields
+        .get("quantities")
+        .map_or_else(|| Ok(Vec::new()), |q| quantities::quantities(&q, &problem, (&context, &declared)))?;
     let mut expect = Vec::new();
     if let Some(field) = fields.get("expect") {
         method::expect(&field, "", &mut expect)?;

@@ -7,6 +7,7 @@ use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::probe::side;
+use super::random::Declared;
 
 /// The keys of which a quantity has one.
 const KINDS: [&str; 5] = ["pressure_at", "mean_displacement", "moment", "weighted_force", "opening_at"];
@@ -17,7 +18,7 @@ const BESIDE: [(&str, &str); 2] = [("about", "moment"), ("weight", "weighted_for
 pub(super) fn quantities(
     field: &Field<'_>,
     problem: &Problem,
-    context: &Context<'_>,
+    (context, declared): (&Context<'_>, &[(String, Declared)]),
 ) -> Result<Vec<NamedQuantity>, ReadError> {
     let mut list = Vec::new();
     for (name, place, table) in Fields::open(field)?.all() {
@@ -30,12 +31,16 @@ pub(super) fn quantities(
                 help,
             ));
         }
-        list.push(NamedQuantity { name: name.to_owned(), kind: kind(&table, problem, context)? });
+        list.push(NamedQuantity { name: name.to_owned(), kind: kind(&table, problem, (context, declared))? });
     }
     Ok(list)
 }
 
-fn kind(table: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Result<QuantityKind, ReadError> {
+fn kind(
+    table: &Field<'_>,
+    problem: &Problem,
+    (context, declared): (&Context<'_>, &[(String, Declared)]),
+) -> Result<QuantityKind, ReadError> {
     let fields = Fields::new(table, &keys::QUANTITY)?;
     let given: Vec<Field<'_>> = KINDS.iter().filter_map(|key| fields.get(key)).collect();
     let [field] = &given[..] else {
@@ -64,17 +69,20 @@ fn kind(table: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Result<Q
         },
         Some("weighted_force") => QuantityKind::WeightedForce {
             side: side(field, problem)?,
-            weight: weight(&fields.require("weight", "weight = [\"1\", \"0\"]")?, context)?,
+            weight: weight(&fields.require("weight", "weight = [\"1\", \"0\"]")?, (context, declared))?,
         },
         _ => QuantityKind::MeanDisplacement(side(field, problem)?),
     })
 }
 
 /// Two expressions of x and y.
-fn weight(field: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], ReadError> {
+fn weight(
+    field: &Field<'_>,
+    (context, declared): (&Context<'_>, &[(String, Declared)]),
+) -> Result<[Expression; 2], ReadError> {
     let one = |component: &Field<'_>| {
         let expression = component.expression_inside(context)?;
-        match expression.names().iter().next() {
+        match expression.names().iter().find(|name| declared.iter().any(|(random, _)| random == *name)) {
             Some(name) => {
                 let message = format!("{} uses the random {name}", component.name);
                 Err(ReadError::new(DataErrorKind::Value, component.item.place, message, "write it of x and y alone"))

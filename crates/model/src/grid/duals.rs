@@ -17,6 +17,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
+use steklov_elastic::plane::dot;
 use steklov_msfem::{
     Bases, Basis, BubbleDual, BubbleResidual, CoarseCell, Elimination, Extra, HeterogeneousBody, Multiscale,
     bubble_energies, bubble_weighted_residuals, fine_correction,
@@ -217,26 +218,20 @@ impl Duals<'_> {
     fn of_coarse_cells(&self, solved: &GridSolved, coarse: &CoarseSolved, residual: &[f64], c: &[f64]) -> Vec<f64> {
         let body = &solved.body;
         let functionals = || self.functionals.functionals.iter().zip(&self.solutions);
-        // -j of each functional at the nodes of its cells
-        let load_at = |functional: &GridFunctional<'_>, node: usize, k: usize| -> f64 {
-            let of_cell = |(&cell, load): (&usize, &[f64; 8])| {
-                let local = body.grid.cell_nodes(cell).iter().position(|&own| own == node);
-                local.map_or(0.0, |a| load[2 * a + k])
-            };
-            functional.load.boundary.iter().map(of_cell).sum()
-        };
+        let loads: Vec<HashMap<usize, [f64; 2]>> =
+            self.functionals.functionals.iter().map(|functional| functional.nodal(body)).collect();
         let mut all = Vec::new();
         for nodes in residual_nodes(body, coarse) {
             let mut etas = vec![0.0; self.solutions.len()];
             for (node, share) in nodes {
                 let own = [0, 1].map(|k| share * c[2 * node + k]);
                 let weights = body.weights_at(node, own);
-                for ((functional, z), eta) in functionals().zip(&mut etas) {
+                for ((z, load), eta) in self.solutions.iter().zip(&loads).zip(&mut etas) {
                     let of_cell = |(nodes, weights): &([usize; 4], [f64; 8])| -> f64 {
                         (0..8).map(|a| weights[a] * z[2 * nodes[a / 2] + a % 2]).sum()
                     };
                     *eta += weights.iter().map(of_cell).sum::<f64>();
-                    *eta -= (0..2).map(|k| load_at(functional, node, k) * own[k]).sum::<f64>();
+                    *eta -= load.get(&node).map_or(0.0, |load| dot(*load, own));
                 }
             }
             all.append(&mut etas);

@@ -40,6 +40,18 @@ impl<'a> GridFunctional<'a> {
         Self { of_forces: Some((side, w)), ..Self::of_load(value, Loads::default()) }
     }
 
+    /// -j at the fine nodes where it is not zero.
+    pub fn nodal(&self, body: &HeterogeneousBody) -> HashMap<usize, [f64; 2]> {
+        let mut nodal: HashMap<usize, [f64; 2]> = HashMap::new();
+        for (&cell, load) in &self.load.boundary {
+            for (node, load) in body.grid.cell_nodes(cell).into_iter().zip(load.chunks_exact(2)) {
+                let sum = nodal.entry(node).or_default();
+                (0..2).for_each(|k| sum[k] += load[k]);
+            }
+        }
+        nodal
+    }
+
     /// What is held in the dual problem, at the nodes of a boundary.
     pub fn held(&self, trace: &GridTrace, held: &[Held]) -> Vec<Held> {
         match &self.of_forces {
