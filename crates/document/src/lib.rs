@@ -233,6 +233,7 @@ fn scene(
     let quantities = fields
         .get("quantities")
         .map_or_else(|| Ok(Vec::new()), |q| quantities::quantities(&q, &problem, (&context, &declared)))?;
+    let in_weights = context.used.take();
     let mut expect = Vec::new();
     if let Some(field) = fields.get("expect") {
         method::expect(&field, "", &mut expect)?;
@@ -246,8 +247,9 @@ fn scene(
     }
     random::check_fields(&problem, &declared)?;
     let mut unused: Vec<String> = declared.iter().map(|(name, _)| name.clone()).filter(|name| !used(name)).collect();
-    unused.extend(context.profiles.keys().filter(|name| !used(name)).cloned());
-    unused.extend(unused_parameters(&parameter_uses, &used));
+    let told = |name: &str| used(name) || in_weights.contains(name);
+    unused.extend(context.profiles.keys().filter(|name| !told(name)).cloned());
+    unused.extend(unused_parameters(&parameter_uses, &told));
     if declared.is_empty() && fields.get("stochastic").is_some() {
         unused.push(STOCHASTIC.to_owned());
     }
