@@ -157,6 +157,11 @@ fn what_is_none_of_the_scene_is_refused() {
             "not finite at (0, 0.5)",
             "finite",
         ),
+        (
+            "quantities.w = { weighted_force = \"left\", weight = [\"if(y > 0.47, 1, 0)\", 0] }",
+            "has a kink or a jump at (0, 0.47",
+            "cut the side there",
+        ),
         ("quantities.w = { weighted_force = \"top\", weight = [1, 0] }", "nothing but given loads", "support"),
         (
             "sides.floor.contact.gap = 0\nquantities.w = { weighted_force = \"floor\", weight = [1, 0] }\n\

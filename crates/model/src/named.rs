@@ -21,6 +21,9 @@ use crate::solve::fields::ElasticField;
 /// Points of Gauss's rule beyond the degree of an element: on lines products of polynomials, on curves the speed has to be followed.
 const MORE: [usize; 2] = [2, 16];
 
+/// The same for weights, which may have many waves on an element.
+const OF_WEIGHTS: usize = 48;
+
 /// How many numbers a quantity has.
 pub(crate) fn components(kind: &QuantityKind) -> usize {
     if matches!(kind, QuantityKind::MeanDisplacement(_)) { 2 } else { 1 }
@@ -74,8 +77,12 @@ impl OnMesh<'_> {
     }
 
     /// Calls `call` with the points of an element and their weights ds.
-    pub(crate) fn integrate(&self, e: usize, mut call: impl FnMut(f64, f64)) {
-        let rule = gauss_legendre(self.space.degree(e) + MORE[usize::from(!self.mesh.is_line(e))]);
+    pub(crate) fn integrate(&self, e: usize, call: impl FnMut(f64, f64)) {
+        self.integrate_with(MORE[usize::from(!self.mesh.is_line(e))], e, call);
+    }
+
+    fn integrate_with(&self, more: usize, e: usize, mut call: impl FnMut(f64, f64)) {
+        let rule = gauss_legendre(self.space.degree(e) + more);
         rule.points.iter().zip(&rule.weights).for_each(|(&t, &w)| call(t, w * self.mesh.speed(e, t)));
     }
 
@@ -95,13 +102,15 @@ impl OnMesh<'_> {
             return 0.0;
         }
         // the nodes of straight elements have rotations
-        let is_whole = |e: usize| matches!(kind, QuantityKind::Moment { .. }) && self.mesh.is_line(e);
+        let is_rotation = matches!(kind, QuantityKind::Moment { .. });
+        let is_whole = |e: usize| is_rotation && self.mesh.is_line(e);
         let mut sum = 0.0;
         for e in self.elements_of(side).filter(|&e| !balanced || !is_whole(e)) {
             let basis = self.space.basis(e);
             let of_nodes: Vec<[f64; 2]> = self.space.element_nodes(e).map(|node| w(self.space.points[node])).collect();
             let mut phi = vec![0.0; of_nodes.len()];
-            self.integrate(e, |t, ds| {
+            let more = if is_rotation { MORE[usize::from(!self.mesh.is_line(e))] } else { OF_WEIGHTS };
+            self.integrate_with(more, e, |t, ds| {
                 let mut rest = w(self.mesh.point(e, t));
                 if balanced {
                     basis.evaluate(t, &mut phi);

@@ -172,8 +172,30 @@ impl Problem {
     }
 }
 
-/// Places of an edge less one at which a weight is looked at.
+/// Places of an edge less one at which a weight is looked at first.
 const WEIGHED: usize = 64;
+
+/// What is wrong with a weight along an edge, and what to do: elements see smooth weights only.
+fn wrong_weight(weight: &[Expression; 2], edge: &Edge) -> Option<(String, String)> {
+    let at = |s: f64| format!("({}, {})", edge.point(s)[0], edge.point(s)[1]);
+    for w in weight {
+        let mut places = (0..=WEIGHED).map(|k| k as f64 / WEIGHED as f64);
+        let is_wrong = |s: &f64| {
+            let [x, y] = edge.point(*s);
+            !w.eval(x, y, 0.0).is_finite()
+        };
+        if let Some(s) = places.find(is_wrong).or_else(|| w.impossible(edge, f64::NEG_INFINITY)) {
+            let help = "write a weight that is finite on the whole side".to_owned();
+            return Some((format!("its weight is not finite at {}", at(s)), help));
+        }
+        let inside = |s: &&f64| **s > SAME_PLACE && **s < 1.0 - SAME_PLACE;
+        if let Some(&s) = w.along(edge).kinks.iter().find(inside) {
+            let help = "write a smooth weight, or cut the side there by a corner of [body] with a name for each part";
+            return Some((format!("its weight has a kink or a jump at {}", at(s)), help.to_owned()));
+        }
+    }
+    None
+}
 
 /// Sine of the angle up to which two faces lie on each other.
 const ALIGNED: f64 = 1e-6;
@@ -245,14 +267,9 @@ impl Scene {
                 let help = "take a side with a support, springs, contact or another body";
                 Some((format!("nothing but given loads acts on the side {name:?}"), help.to_owned()))
             }
-            QuantityKind::WeightedForce { side, .. } => {
-                let (_, w) = kind.weighted_side()?;
-                let at = |edge: &Edge| (0..=WEIGHED).map(|k| edge.point(k as f64 / WEIGHED as f64)).collect::<Vec<_>>();
+            QuantityKind::WeightedForce { side, ref weight } => {
                 let edges = problem.outline.edges();
-                let mut points = edges.iter().filter(|edge| edge.side == side).flat_map(at);
-                let [x, y] = points.find(|&x| !w(x).iter().all(|w| w.is_finite()))?;
-                let message = format!("its weight is not finite at ({x}, {y})");
-                Some((message, "write a weight that is finite on the whole side".to_owned()))
+                edges.iter().filter(|edge| edge.side == side).find_map(|edge| wrong_weight(weight, edge))
             }
             _ => None,
         }
