@@ -63,10 +63,10 @@ class Outcomes:
         # files that a scene names may change between two solutions: a worker keeps it for one of them only
         self.client, self.scene, self.futures = client, (text, placed(name), settings, uuid.uuid4().hex), []
 
-    def __call__(self, germs):
+    def __call__(self, mesh, germs):
         # outcomes that begin where the last one ended stay together
         chunks = [germs[part.start : part.stop] for part in parts(self.client, len(germs), _steklov.TOGETHER)]
-        self.futures = self.client.map(outcomes_of_task, chunks, scene=self.scene, pure=False)
+        self.futures = self.client.map(outcomes_of_task, chunks, scene=self.scene, mesh=mesh, pure=False)
         return gathered(self.client, self.futures, [len(chunk) for chunk in chunks], "outcomes", None)
 
     def cancel(self):
@@ -75,11 +75,11 @@ class Outcomes:
 
 
 @functools.lru_cache(maxsize=1)
-def prepared(text, name, settings, solution):
-    """The scene, solved up to its last mesh once in each process for a solution."""
-    return _steklov.prepare(text, name, list(settings))
+def prepared(text, name, settings, solution, mesh):
+    """The scene on the last mesh of its solution, once in each process for a solution."""
+    return _steklov.prepare(text, name, list(settings), mesh)
 
 
-def outcomes_of_task(germs, scene):
+def outcomes_of_task(germs, scene, mesh):
     """What a worker does: outcomes one after the other."""
-    return prepared(*scene).answers(germs)
+    return prepared(*scene, mesh).answers(germs)

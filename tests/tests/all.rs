@@ -41,6 +41,7 @@ mod probes;
 mod quantities;
 mod random_bodies;
 mod random_affine;
+mod random_bars;
 mod random_grids;
 mod random_scenes;
 mod references;

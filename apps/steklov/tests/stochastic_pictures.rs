@@ -133,7 +133,7 @@ fn tables_give_back_the_arrays_and_their_moments() {
     place.run(["show", "rough.vtkhdf", "--csv", "tables"]).demand(0);
     let parts = ["contact-statistics", "contact", "displacement", "points", "quantities", "traction"];
     assert_eq!(names(&place.path("tables")), parts.map(|p| format!("rough-{p}.csv")));
-    let Record { stochastic: Some(result), contact, .. } = stored(&place, "rough.vtkhdf") else {
+    let Record { stochastic: Some(result), contact, summary, .. } = stored(&place, "rough.vtkhdf") else {
         panic!("no outcomes are stored")
     };
     let number = |text: &String| text.parse::<f64>().unwrap();
@@ -151,7 +151,10 @@ fn tables_give_back_the_arrays_and_their_moments() {
     let (head, rows) = table(&place, "tables/rough-quantities.csv");
     let quantiles = ["quantile_0.05", "quantile_0.5", "quantile_0.95"];
     assert_eq!(head[..4], ["name", "mean", "variance", "standard_error"]);
-    assert_eq!((&head[4..7], &head[7..]), (&quantiles.map(String::from)[..], &["truncation".to_owned()][..]));
+    assert_eq!(
+        (&head[4..7], &head[7..]),
+        (&quantiles.map(String::from)[..], &["truncation", "mesh", "uncertainty"].map(String::from)[..])
+    );
     for (k, (row, q)) in rows.iter().zip(&result.quantities).enumerate() {
         assert_eq!(row[0], q.name);
         let (mean, variance) = (number(&row[1]), number(&row[2]));
@@ -167,7 +170,13 @@ fn tables_give_back_the_arrays_and_their_moments() {
             // a spread of rounding has none
             None => assert!(row[4..7].iter().all(String::is_empty) && variance.sqrt() < 1e-10, "{}", q.name),
         }
-        assert_eq!(row[7..].iter().map(number).collect::<Vec<_>>(), [q.truncation.unwrap()], "{}", q.name);
+        assert_eq!(number(&row[7]), q.truncation.unwrap(), "{}", q.name);
+        match summary.quantities.get(&format!("stochastic.{}.mean", q.name)) {
+            Some(bar) => {
+                assert_eq!(row[8..].iter().map(number).collect::<Vec<_>>(), [bar.parts["mesh"], bar.uncertainty])
+            }
+            None => assert!(row[8..].iter().all(String::is_empty), "{}", q.name),
+        }
     }
 
     let (_, rows) = table(&place, "tables/rough-contact-statistics.csv");

@@ -46,7 +46,7 @@ pub mod stage;
 pub mod stochastic;
 pub mod summary;
 
-pub use solve_scene::{Answer, AnyRun, Told, Watch, solve, solve_watched};
+pub use solve_scene::{Answer, AnyRun, OnLastMesh, Told, Watch, solve, solve_watched};
 
 /// The items that a program needs to make a scene and solve it.
 pub mod prelude {

@@ -120,7 +120,7 @@ pub(crate) fn at_points(scene: &Scene, field: &ElasticField<'_>) -> Vec<f64> {
 
 /// Whether quantities of a scene need the tractions of the enriched spaces.
 pub(crate) fn needs_tractions(scene: &Scene) -> bool {
-    scene.random.is_none() && (!scene.probe.is_empty() || !scene.quantities.is_empty() || extracts_ends(scene))
+    !scene.probe.is_empty() || !scene.quantities.is_empty() || extracts_ends(scene)
 }
 
 /// The forces of sides, with their numbers, whose error bars are known: of supports and rigid obstacles, without those of springs.
@@ -289,6 +289,26 @@ impl Bars {
         all
     }
 
+    /// The values of the last of these steps, with the differences of the enriched spaces in the mean over outcomes.
+    pub(crate) fn over_outcomes(
+        scene: &Scene,
+        reactions: &[(String, [f64; 2])],
+        estimates: &[&Estimate],
+        mean: &[EstimatedQuantity],
+    ) -> Self {
+        let Some((last, before)) = estimates.split_last().filter(|(last, _)| last.quantities.len() == mean.len())
+        else {
+            return Self::default();
+        };
+        let with = |(own, mean): (&EstimatedQuantity, &EstimatedQuantity)| {
+            let enriched = own.value + (mean.enriched - mean.value);
+            EstimatedQuantity { value: own.value, enriched, weighted: mean.weighted }
+        };
+        let quantities = last.quantities.iter().zip(mean).map(with).collect();
+        let last = Estimate { quantities, ..(*last).clone() };
+        Self::new(scene, reactions, &[before, &[&last]].concat())
+    }
+
     /// The values of a solution on a grid.
     pub(crate) fn on_grid(scene: &Scene, solved: &GridSolved) -> Self {
         let (quantities, entries) = (solved.quantities(scene), entries(scene, &solved.reactions));
@@ -322,6 +342,23 @@ impl Bars {
             all.values[k][1] = all.values[k][1].max(all.rounding(k));
         }
         all
+    }
+
+    /// The means of the bars of outcomes on a grid; none without any.
+    pub(crate) fn mean(of_outcomes: &[Self]) -> Option<Self> {
+        let (mut all, count) = (of_outcomes.first()?.clone(), of_outcomes.len() as f64);
+        if all.entries.is_empty() || of_outcomes.iter().any(|own| own.entries != all.entries) {
+            return None;
+        }
+        let mean = |of: &dyn Fn(&Self) -> f64| of_outcomes.iter().map(of).sum::<f64>() / count;
+        let pair = |of: &dyn Fn(&Self) -> [f64; 2]| [0, 1].map(|part| mean(&|own| of(own)[part]));
+        all.values = (0..all.values.len()).map(|k| pair(&|own| own.values[k])).collect();
+        all.parts = (0..all.parts.len()).map(|k| pair(&|own| own.parts[k])).collect();
+        let known = of_outcomes.iter().all(|own| own.parts_of_energy.is_some());
+        all.parts_of_energy = known.then(|| pair(&|own| own.parts_of_energy.unwrap_or_default()));
+        all.at_jumps = of_outcomes.iter().flat_map(|own| own.at_jumps.clone()).collect();
+        all.near_singular = of_outcomes.iter().flat_map(|own| own.near_singular.clone()).collect();
+        Some(all)
     }
 
     /// Rounding errors of a value.
@@ -394,6 +431,7 @@ pub(crate) fn named(scene: &Scene, values: &[f64], infinite: impl Fn([f64; 2]) -
 }
 
 /// What a result tells with the doubts of all of it.
+#[derive(Clone, Copy)]
 pub(crate) struct Told<'a> {
     /// J, and `[extrapolated, its uncertainty]`.
     pub energy: (f64, Option<[f64; 2]>),

@@ -16,7 +16,7 @@ use crate::run::boundary_elements::BoundaryElements;
 use crate::solve::contact_rows::{ContactRow, Trace};
 use crate::solve::solution::TieRow;
 use crate::stage::Stage;
-use crate::stochastic::{Elsewhere, OutcomesWatch, StochasticResult};
+use crate::stochastic::{self, Elsewhere, LastMesh, OutcomesWatch, StochasticResult};
 use crate::summary::{LinePoint, LineProbe, SideProbe, Summary};
 
 /// A scene that is solved.
@@ -135,14 +135,18 @@ pub fn solve(scene: &Scene) -> Result<Answer, SolveError> {
     solve_watched(scene, &Watch { interrupts: &AtomicUsize::new(0), tell: &|_| {}, elsewhere: None })
 }
 
+/// Answers outcomes on the last mesh of a run, by their germs.
+pub type OnLastMesh<'a> = dyn Fn(&LastMesh, &[Vec<f64>]) -> Result<Vec<stochastic::Answer>, SolveError> + Sync + 'a;
+
 /// How a program stops a run and sees how far it is.
 pub struct Watch<'a> {
     /// Counts the wishes to stop: after one the step that runs is finished and its answer given, after two the run ends at once.
     pub interrupts: &'a AtomicUsize,
     /// Gets what is done at the moment.
     pub tell: &'a (dyn Fn(Told) + Sync),
-    /// Answers the outcomes of random input that are solved one by one; none: they are solved here.
-    pub elsewhere: Option<&'a Elsewhere<'a>>,
+    /// Answers the outcomes of random input that are solved one by one, as an [`Elsewhere`](crate::stochastic::Elsewhere) that is handed the
+    /// last mesh too; none: they are solved here.
+    pub elsewhere: Option<&'a OnLastMesh<'a>>,
 }
 
 /// What a run is doing.
@@ -182,8 +186,9 @@ fn solve_from<M: Model>(
     let stopped = || watch.interrupts.load(Ordering::Relaxed) > 0;
     let dofs = watch.elsewhere.map_or(0, |_| M::report(scene, &run).trace.displacement.len());
     let checked = watch.elsewhere.map(|elsewhere| {
+        let mesh = M::last_mesh(&run.step().layout);
         move |germs: &[Vec<f64>]| {
-            let answers = elsewhere(germs)?;
+            let answers = elsewhere(&mesh, germs)?;
             let same = answers.len() == germs.len() && answers.iter().all(|answer| answer.displacement.len() == dofs);
             if same { Ok(answers) } else { Err(SolveError::Elsewhere) }
         }

@@ -21,9 +21,8 @@ use steklov_algebra::PARTS;
 use steklov_document::{Document, SceneError};
 use steklov_model::error::SolveError;
 use steklov_model::run::expect::check_expect;
-use steklov_model::stochastic::Elsewhere;
 use steklov_model::summary::available_memory_bytes;
-use steklov_model::{Told, Watch, solve_watched};
+use steklov_model::{OnLastMesh, Told, Watch, solve_watched};
 use steklov_plan::{explain, refused};
 
 use crate::answer::Solved;
@@ -49,7 +48,7 @@ fn title(py: Python<'_>, text: &str, name: &str, overrides: Vec<String>) -> PyRe
 }
 
 /// Solves a scene. `progress` is called with a text and the share of the step, or of the outcomes, that is done;
-/// `elsewhere` with lists of germs, for whose outcomes it returns what `Prepared.answers` gives, and its `cancel` to stop.
+/// `elsewhere` with the last mesh for `prepare` and lists of germs, for whose outcomes it returns what `Prepared.answers` gives, and its `cancel` to stop.
 #[pyfunction]
 #[pyo3(signature = (text, name, overrides, progress = None, elsewhere = None))]
 fn solve(
@@ -73,8 +72,8 @@ fn solve(
     if elsewhere.is_some() {
         outcomes::check(py, &document)?;
     }
-    let ask = elsewhere.as_ref().map(|elsewhere| |germs: &[Vec<f64>]| outcomes::ask(elsewhere, germs));
-    let ask = ask.as_ref().map(|ask| ask as &Elsewhere<'_>);
+    let ask = elsewhere.as_ref().map(|elsewhere| |mesh: &_, germs: &[Vec<f64>]| outcomes::ask(elsewhere, mesh, germs));
+    let ask = ask.as_ref().map(|ask| ask as &OnLastMesh<'_>);
     let cancel = || {
         if let Some(elsewhere) = &elsewhere {
             // what was asked for is given up: an error of that is of no interest

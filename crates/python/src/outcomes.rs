@@ -4,40 +4,32 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use steklov_document::Document;
-use steklov_model::AnyRun;
 use steklov_model::error::SolveError;
-use steklov_model::grid::OnGrid;
-use steklov_model::run::adaptive_loop::{Progress, run};
-use steklov_model::run::boundary_elements::BoundaryElements;
-use steklov_model::stochastic::{Answer, answers, answers_on_grid, one_by_one};
+use steklov_model::stochastic::{Answer, LastMesh, Prepared as OnMesh, one_by_one};
 
 use crate::{raised, read, start_threads, watched};
 
-/// A scene with random input whose last mesh is solved: it answers outcomes.
+/// A scene with random input on the last mesh of its solution: it answers outcomes.
 #[pyclass(frozen)]
 pub struct Prepared {
     document: Document,
-    run: AnyRun,
+    on_mesh: OnMesh,
 }
 
-/// Solves a scene up to its last mesh.
+/// A scene on the last mesh of its solution, as `elsewhere` of `solve` gets it.
 #[pyfunction]
-pub fn prepare(py: Python<'_>, text: &str, name: &str, overrides: Vec<String>) -> PyResult<Prepared> {
+pub fn prepare(py: Python<'_>, text: &str, name: &str, overrides: Vec<String>, mesh: &[u8]) -> PyResult<Prepared> {
     start_threads(py)?;
     let document = read(py, text, name, &overrides)?;
     check(py, &document)?;
+    let mesh: LastMesh = postcard::from_bytes(mesh).map_err(|e| PyValueError::new_err(e.to_string()))?;
     let scene = &document.scene;
-    let run = watched(py, None, &|| {}, |interrupts, _| {
+    let on_mesh = watched(py, None, &|| {}, |_, _| {
         scene.check()?;
-        rayon::scope(|_| match scene.is_on_grid() {
-            true => run(scene, Progress::<OnGrid>::new(scene, Vec::new())?, interrupts, &mut |_, _| Ok(()))
-                .map(|run| AnyRun::OnGrid(Box::new(run))),
-            false => run(scene, Progress::<BoundaryElements>::first(scene), interrupts, &mut |_, _| Ok(()))
-                .map(|run| AnyRun::BoundaryElements(Box::new(run))),
-        })
+        rayon::scope(|_| OnMesh::new(scene, &mesh))
     })?;
-    match run {
-        Ok(run) => Ok(Prepared { document, run }),
+    match on_mesh {
+        Ok(on_mesh) => Ok(Prepared { document, on_mesh }),
         Err(error) => Err(told(py, error)),
     }
 }
@@ -52,13 +44,7 @@ impl Prepared {
         if let Some(wrong) = germs.iter().find(|own| own.len() != count) {
             return Err(PyValueError::new_err(format!("{} germs of {count}", wrong.len())));
         }
-        let solved = py.detach(|| match &self.run {
-            AnyRun::BoundaryElements(run) => match &run.matrices {
-                Some(body) => answers(scene, random, body, &germs),
-                None => Err(SolveError::Interrupted),
-            },
-            AnyRun::OnGrid(run) => answers_on_grid(scene, random, &run.step().layout, &germs),
-        });
+        let solved = py.detach(|| self.on_mesh.answers(scene, random, &germs));
         let solved = solved.map_err(|error| told(py, error))?;
         let bytes = postcard::to_stdvec(&solved).map_err(|e| PyValueError::new_err(e.to_string()))?;
         Ok(PyBytes::new(py, &bytes))
@@ -78,11 +64,12 @@ pub fn check(py: Python<'_>, document: &Document) -> PyResult<()> {
     Err(raised(py, "SolveError", (message,)))
 }
 
-/// Asks a program of Python for the answers to outcomes by their germs.
-pub fn ask(elsewhere: &Py<PyAny>, germs: &[Vec<f64>]) -> Result<Vec<Answer>, SolveError> {
+/// Asks a program of Python for the answers to outcomes on the last mesh by their germs.
+pub fn ask(elsewhere: &Py<PyAny>, mesh: &LastMesh, germs: &[Vec<f64>]) -> Result<Vec<Answer>, SolveError> {
+    let mesh = postcard::to_stdvec(mesh).map_err(|error| SolveError::Observer(Box::new(error)))?;
     let parts: Vec<Vec<u8>> = Python::attach(|py| {
         let lists: Vec<&[f64]> = germs.iter().map(Vec::as_slice).collect();
-        elsewhere.call1(py, (lists,))?.extract(py)
+        elsewhere.call1(py, (PyBytes::new(py, &mesh), lists))?.extract(py)
     })
     .map_err(|error: PyErr| SolveError::Observer(Box::new(error)))?;
     let mut all = Vec::with_capacity(germs.len());

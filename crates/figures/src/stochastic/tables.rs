@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use steklov_model::quantities::Quantity as Bar;
 use steklov_model::stochastic::{End, Quantity, StochasticResult};
 use steklov_picture::plain;
 use steklov_result::record::Record;
@@ -20,17 +21,31 @@ fn quoted(text: &str) -> String {
 /// and the quantities; `contact-statistics`: a row for each contact node. A value that a method does not give is empty.
 pub fn tables(stored: &Record) -> Vec<(&'static str, String)> {
     let Some(result) = &stored.stochastic else { return Vec::new() };
-    let mut tables = vec![("quantities", quantities(result)), ("points", points(result))];
+    let mut tables = vec![("quantities", quantities(stored, result)), ("points", points(result))];
     if !stored.contact.is_empty() && result.levels.is_empty() {
         tables.push(("contact-statistics", contact(stored, result)));
     }
     tables
 }
 
-fn quantities(result: &StochasticResult) -> String {
+/// The error bar of the mean of a quantity, where it is known.
+fn bar<'a>(stored: &'a Record, quantity: &Quantity) -> Option<&'a Bar> {
+    stored.summary.quantities.get(&format!("stochastic.{}.mean", quantity.name))
+}
+
+/// The part of it that the mesh has, or a grid with its coarse cells.
+fn of_mesh(bar: &Bar) -> f64 {
+    bar.parts
+        .iter()
+        .filter(|(name, _)| !["sampling", "truncation"].contains(&name.as_str()))
+        .map(|(_, part)| part)
+        .sum()
+}
+
+fn quantities(stored: &Record, result: &StochasticResult) -> String {
     let mut text = String::from("name,mean,variance,standard_error");
     result.probabilities.iter().for_each(|p| text += &format!(",quantile_{p}"));
-    text += ",truncation";
+    text += ",truncation,mesh,uncertainty";
     let optional = |error: Option<f64>| error.map_or(String::new(), |e| format!("{e:?}"));
     for q in &result.quantities {
         let error = optional(q.standard_error);
@@ -38,7 +53,9 @@ fn quantities(result: &StochasticResult) -> String {
         for k in 0..result.probabilities.len() {
             text += &q.quantiles.as_ref().map_or(",".to_owned(), |values| format!(",{:?}", values[k]));
         }
-        let _ = write!(text, ",{}", optional(q.truncation));
+        let bar = bar(stored, q);
+        let all = [q.truncation, bar.map(of_mesh), bar.map(|bar| bar.uncertainty)];
+        all.into_iter().for_each(|part| text += &format!(",{}", optional(part)));
     }
     text + "\n"
 }
@@ -139,6 +156,9 @@ pub fn lines(stored: &Record) -> Vec<String> {
         }
         if let Some(truncation) = q.truncation {
             let _ = write!(line, ", truncation {}", plain(truncation, 2));
+        }
+        if let Some(bar) = bar(stored, q) {
+            let _ = write!(line, ", mesh {}, mean within {}", plain(of_mesh(bar), 2), plain(bar.uncertainty, 2));
         }
         for (k, (p, value)) in result.probabilities.iter().zip(q.quantiles.iter().flatten()).enumerate() {
             let _ = write!(line, "{} {} % {}", if k == 0 { "; quantiles" } else { "," }, percent(*p), plain(*value, 7));

@@ -99,7 +99,7 @@ fn is_known(scene: &Scene, solved: &Solved) -> bool {
     let decays = |body: usize| scene.problem.radiation(body).is_none_or(|radiation| radiation == Radiation::Decaying);
     let bounded = (0..scene.problem.bodies.len()).all(decays);
     let asked = quantities::needs_tractions(scene) || quantities::forces(scene, &solved.reactions).next().is_some();
-    asked && scene.random.is_none() && bounded && solved.around.is_none()
+    asked && bounded && solved.around.is_none()
 }
 
 /// β, two for each element: along the directions in which the data hold it.

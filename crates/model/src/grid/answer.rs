@@ -9,7 +9,7 @@ use super::solution::GridSolved;
 use super::trace::{GridTrace, node_at};
 use crate::answer::probes;
 use crate::quantities::Bars;
-use crate::run::report::Report;
+use crate::run::report::{OfMeans, Report};
 use crate::solve::medium::Around;
 use crate::summary::{GridSummary, Probe, SideProbe};
 
@@ -168,6 +168,7 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         named,
         near: Vec::new(),
         bars: Bars::on_grid(scene, solved),
+        over_outcomes: solved.over_outcomes.clone().map(|bars| OfMeans { bars, energy: None }),
         lines: probes::lines(scene, |spot, x| solved.at_spot(spot, x)),
         sides: solved.along_sides(scene, &scene.probe_sides),
         grid: Some(grid_summary(solved)),

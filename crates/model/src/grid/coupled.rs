@@ -194,6 +194,7 @@ fn solved(
         contact: None,
         balanced: imbalance <= UNBALANCED,
         reactions: Vec::new(),
+        over_outcomes: None,
         works: Vec::new(),
         free_motions: Vec::new(),
         estimate: None,

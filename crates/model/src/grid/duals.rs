@@ -67,8 +67,8 @@ pub(super) struct Factors {
 }
 
 impl GridSolved {
-    /// The numbers of the scene with the parts of their errors, in the order of the error bars; none where they are not known: with contact,
-    /// a medium or random input, of a body that can move as a whole, of bases that do not conform, and once a next step has begun.
+    /// The numbers of the scene with the parts of their errors, in the order of the error bars; none where they are not known: with contact
+    /// or a medium, of a body that can move as a whole, of bases that do not conform, and once a next step has begun.
     ///
     /// *Cost*: at the first call a solution with the factor for each number, and one of the fine grid by conjugate gradients.
     pub fn quantities(&self, scene: &Scene) -> &[GridQuantity] {
@@ -114,9 +114,9 @@ impl<'a> Duals<'a> {
     }
 }
 
-/// Whether error bars of numbers are known: without contact, a medium and random input.
+/// Whether error bars of numbers are known: without contact and a medium.
 pub(super) fn are_known(scene: &Scene) -> bool {
-    scene.random.is_none() && scene.surroundings().is_none() && scene.contacts().next().is_none()
+    scene.surroundings().is_none() && scene.contacts().next().is_none()
 }
 
 /// The dual solutions on the fine nodes.

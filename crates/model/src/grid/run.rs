@@ -1,7 +1,8 @@
 //! Finite elements on grids in the adaptive loop.
 
 use steklov_algebra::once_more;
-use steklov_problem::{Refine, Scene, Spot};
+use steklov_problem::{Random, Refine, Scene, Spot};
+use steklov_stochastic::{Variable, sample};
 
 use super::answer;
 use super::error_parts::GridEstimate;
@@ -10,10 +11,11 @@ use super::refine::next_layout;
 use super::solution::GridSolved;
 use super::solve::solve_grid;
 use crate::error::SolveError;
+use crate::quantities::Bars;
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, seconds_of};
 use crate::run::report::Report;
 use crate::stage::Stage;
-use crate::stochastic::{OutcomeStage, OutcomesWatch, StochasticResult, solve_stochastic_on_grid};
+use crate::stochastic::{LastMesh, OutcomeStage, OutcomesWatch, StochasticResult, solve_stochastic_on_grid};
 use crate::summary::SideProbe;
 
 /// Dörfler's θ where the scene has none.
@@ -21,6 +23,11 @@ pub const MARKING: f64 = 0.5;
 
 /// Coarse cells are not split any more where their part of the squared error is below this part of the fine grid's.
 const OUTWEIGHED: f64 = 0.1;
+
+/// Outcomes whose error bars are taken: one of so many that are solved, and at most so many. Their seed is not the scene's.
+const EACH: usize = 25;
+const WITH_BARS: usize = 4;
+const SEED: u64 = 2;
 
 /// Finite elements on grids, as a [`Model`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,6 +100,10 @@ impl Model for OnGrid {
         })
     }
 
+    fn last_mesh(layout: &GridLayout) -> LastMesh {
+        LastMesh::of_grid(layout)
+    }
+
     fn outcomes(
         scene: &Scene,
         run: &mut Run<Self>,
@@ -102,6 +113,9 @@ impl Model for OnGrid {
         let Some(random) = scene.random.as_ref().filter(|_| run.went_well()) else { return Ok(None) };
         let layout = &run.step().layout;
         let solved = once_more(|| solve_stochastic_on_grid(scene, random, layout, watch, observe));
+        if let Ok(result) = &solved {
+            run.last.over_outcomes = bars_over_outcomes(scene, random, layout, result.solved);
+        }
         run.with_outcomes(solved)
     }
 
@@ -120,6 +134,18 @@ impl Model for OnGrid {
     fn along_sides(scene: &Scene, solved: &GridSolved, sides: &[usize]) -> Vec<SideProbe> {
         solved.along_sides(scene, sides)
     }
+}
+
+/// The error bars of a few outcomes in the mean, where all of them have some.
+fn bars_over_outcomes(scene: &Scene, random: &Random, layout: &GridLayout, solved: usize) -> Option<Bars> {
+    let variables: Vec<Variable> = random.germs.iter().map(|germ| germ.variable.clone()).collect();
+    let of = |i: u64| {
+        let outcome = scene.outcome(&sample(&variables, SEED, i)).ok()?;
+        let solved = solve_grid(&outcome, layout, &mut |_| Ok(())).ok()?;
+        Some(Bars::on_grid(&outcome, &solved))
+    };
+    let count = (solved / EACH).clamp(1, WITH_BARS) as u64;
+    Bars::mean(&(0..count).map(of).collect::<Option<Vec<Bars>>>()?)
 }
 
 /// Unknowns of the next step, held ones included.

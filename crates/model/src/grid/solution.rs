@@ -10,6 +10,7 @@ use super::duals::{DualData, GridQuantity};
 use super::error_parts::GridEstimate;
 use super::trace::GridTrace;
 use crate::energies::Energies;
+use crate::quantities::Bars;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::Trace;
 use crate::solve::medium::Around;
@@ -39,6 +40,8 @@ pub struct GridSolved {
     pub reactions: Vec<(String, [f64; 2])>,
     /// The moments and weighted forces that the scene asks for, in their order.
     pub(crate) works: Vec<f64>,
+    /// The error bars of means over outcomes of random input, for the grid alone, if they are known.
+    pub(crate) over_outcomes: Option<Bars>,
     /// Rigid motions that nothing resists and no load drives; the displacement has none of them.
     pub free_motions: Vec<RigidMotion>,
     /// The estimated error.

@@ -214,6 +214,7 @@ fn solve_fine(
         contact: answer.contact,
         balanced: answer.balanced,
         reactions: answer.reactions,
+        over_outcomes: None,
         works: answer.works,
         free_motions: answer.free_motions,
         estimate: None,

@@ -74,6 +74,7 @@ pub(super) fn solve_coarse(
         contact: answer.contact,
         balanced: answer.balanced,
         reactions: answer.reactions,
+        over_outcomes: None,
         works,
         free_motions: answer.free_motions,
         estimate: None,

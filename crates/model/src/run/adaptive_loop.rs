@@ -19,7 +19,7 @@ use crate::run::report::Report;
 use crate::solve::solution::Seconds;
 use crate::stage::Stage;
 use crate::stochastic::number::check_quantities;
-use crate::stochastic::{End, OutcomeStage, OutcomesWatch, StochasticResult};
+use crate::stochastic::{End, LastMesh, OutcomeStage, OutcomesWatch, StochasticResult};
 use crate::summary::SideProbe;
 
 /// Why a run ended.
@@ -111,6 +111,9 @@ pub trait Model: Debug + Clone + PartialEq {
 
     /// Displacement, traction and stress of a solution along sides, by their numbers.
     fn along_sides(scene: &Scene, solved: &Self::Solved, sides: &[usize]) -> Vec<SideProbe>;
+
+    /// The mesh of a step, for other processes.
+    fn last_mesh(kept: &Self::Kept) -> LastMesh;
 
     /// The outcomes of random input on the last step of a run that went well; the run says why there are none or not all.
     ///

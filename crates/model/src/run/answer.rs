@@ -10,10 +10,10 @@ use crate::answer::small_strain::is_large;
 use crate::contact_length::{ends_at_corners_are_known, of_vertices};
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
-use crate::quantities::{Told, named, quantities};
+use crate::quantities::{Quantities, Told, named, quantities};
 use crate::run::adaptive_loop::{Model, Reason, Run};
 use crate::run::expect::expected;
-use crate::run::report::Report;
+use crate::run::report::{OfMeans, Report};
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, contact_rows};
 use crate::stochastic::{self, StochasticResult};
@@ -77,7 +77,13 @@ pub fn answer<M: Model>(
     let length = by_ends.zip(off).map(|(told, off)| [told.length, off]);
     let energy = (energies.total, report.energy);
     let told = Told { energy, probes: &probe, named: &named, near: &report.near, length, rows, doubts: &doubts };
-    let quantities = quantities(scene, &report.bars, told);
+    let mut of_means = Quantities::new();
+    if let (Some(result), Some(OfMeans { bars, energy })) = (outcomes, &report.over_outcomes) {
+        let told = Told { energy: (0.0, *energy), length: None, ..told };
+        of_means = stochastic::with_bars(scene, result, &quantities(scene, bars, told));
+    }
+    let mut quantities = quantities(scene, &report.bars, told);
+    quantities.extend(of_means);
     let mut summary = Summary {
         title: scene.title.clone(),
         units: scene.units.clone(),

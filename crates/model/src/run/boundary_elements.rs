@@ -19,12 +19,12 @@ use crate::quantities::{Bars, needs_tractions};
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, run, seconds_of};
 use crate::run::boundary_report;
 use crate::run::memory::{Lack, lack};
-use crate::run::report::Report;
+use crate::run::report::{OfMeans, Report};
 use crate::solve::body::Body;
 use crate::solve::one_mesh::solve;
 use crate::solve::solution::Solved;
 use crate::stage::Stage;
-use crate::stochastic::{OutcomeStage, OutcomesWatch, StochasticResult, mean_estimate, solve_stochastic};
+use crate::stochastic::{LastMesh, OutcomeStage, OutcomesWatch, StochasticResult, mean_estimate, solve_stochastic};
 use crate::summary::SideProbe;
 
 /// Boundary elements, as a [`Model`].
@@ -119,6 +119,16 @@ fn still_falls(steps: &[Step<BoundaryElements>]) -> bool {
     }
 }
 
+/// Whether a step whose estimate does not end the run is the last one nevertheless.
+fn is_last(scene: &Scene, steps: usize, next: &Layout) -> bool {
+    scene.method.refine == Refine::None || steps >= scene.method.max_steps || is_too_large(scene, next)
+}
+
+/// Whether a mesh has more unknowns than allowed, or needs more memory than there is.
+fn is_too_large(scene: &Scene, next: &Layout) -> bool {
+    next.dofs() > scene.method.max_dofs() || lack(scene, next).is_some()
+}
+
 /// Part of the estimate before below which an estimate falls.
 const FALLS: f64 = 0.5;
 
@@ -138,7 +148,8 @@ impl Model for BoundaryElements {
     ) -> Result<Advanced<Self>, SolveError> {
         let mesh = progress.next.subdivision.mesh(&scene.problem.outline)?;
         let estimated = is_estimated(scene, progress.next.dofs());
-        let (solved, mut body, factors) = solve(scene, (mesh, progress.next.cuts.as_ref()), estimated, cache, observe)?;
+        let (mut solved, mut body, factors) =
+            solve(scene, (mesh, progress.next.cuts.as_ref()), estimated, cache, observe)?;
         if let (Some(contact), Some(part)) = (&solved.contact, &factors.contact) {
             observe(Stage::Contact(&part.problem, &contact.solution))?;
         }
@@ -167,13 +178,20 @@ impl Model for BoundaryElements {
             estimate.add_roundoff(&solved);
             estimate.settle_exact(scene, &solved, &body)?;
         }
-        if let (Some(random), Some(enriched), Some(one)) = (&scene.random, &enriched, &mut estimate)
-            && one.relative <= scene.method.tolerance()
-        {
+        let mut over_outcomes = None;
+        if let (Some(random), Some(enriched), Some(one)) = (&scene.random, &enriched, &mut estimate) {
             // the mean outcome is solved well enough: are the others?
-            *one = mean_estimate(scene, random, &body, enriched, one)?;
-            (layout, _) = next(Some(one))?;
+            let is_within = one.relative <= scene.method.tolerance();
+            if is_within || is_last(scene, progress.steps.len() + 1, &layout) {
+                let (mean, numbers) = mean_estimate(scene, random, &body, enriched, one)?;
+                over_outcomes = Some(numbers);
+                if is_within {
+                    *one = mean;
+                    (layout, _) = next(Some(one))?;
+                }
+            }
         }
+        solved.over_outcomes = over_outcomes;
         let contact = solved.contact.as_ref();
         let step = Step {
             layout: RefinedMesh {
@@ -210,9 +228,7 @@ impl Model for BoundaryElements {
             _ if reached(step) && confirmed => Reason::Tolerance,
             _ if unchanged || exact && !still_falls(steps) => Reason::Roundoff,
             _ if steps.len() >= method.max_steps => Reason::MaxSteps,
-            _ if next.is_some_and(|next| next.dofs() > method.max_dofs() || lack(scene, next).is_some()) => {
-                Reason::MaxDofs
-            }
+            _ if next.is_some_and(|next| is_too_large(scene, next)) => Reason::MaxDofs,
             _ => return None,
         })
     }
@@ -220,9 +236,14 @@ impl Model for BoundaryElements {
     fn report<'a>(scene: &Scene, run: &'a Run<BoundaryElements>) -> Report<'a> {
         let step = run.step();
         let estimates: Option<Vec<&Estimate>> = run.progress.steps.iter().map(|step| step.estimate.as_ref()).collect();
-        let reactions = &run.last.reactions;
-        let bars = estimates.map(|estimates| Bars::new(scene, reactions, &estimates)).unwrap_or_default();
-        boundary_report::report(scene, &run.last, (step.estimate.as_ref(), bars), &step.layout.located)
+        let (reactions, estimates) = (&run.last.reactions, estimates.unwrap_or_default());
+        let bars = Bars::new(scene, reactions, &estimates);
+        let over_outcomes = run.last.over_outcomes.as_ref().map(|over| {
+            let bars = Bars::over_outcomes(scene, reactions, &estimates, &over.quantities);
+            OfMeans { bars, energy: Some(over.energy) }
+        });
+        let report = boundary_report::report(scene, &run.last, (step.estimate.as_ref(), bars), &step.layout.located);
+        Report { over_outcomes, ..report }
     }
 
     fn is_exact(run: &Run<BoundaryElements>) -> bool {
@@ -240,6 +261,10 @@ impl Model for BoundaryElements {
         };
         let at = |e, t| (solved.on_boundary(e, t), solved.traction(e, t));
         probes::along_sides(scene, &solved.mesh, sides, equally_spaced, at)
+    }
+
+    fn last_mesh(kept: &RefinedMesh) -> LastMesh {
+        LastMesh::of_elements(&kept.mesh)
     }
 
     fn outcomes(

@@ -57,6 +57,7 @@ pub(crate) fn report<'a>(
         named: data.named(&solved.elastic_field(), &solved.works),
         near: data.near_transitions(transitions),
         bars,
+        over_outcomes: None,
         lines: probes::lines(scene, |spot, x| solved.at(spot, x)),
         sides: BoundaryElements::along_sides(scene, solved, &scene.probe_sides),
         grid: None,

@@ -13,6 +13,14 @@ use crate::summary::{
     BodySummary, GridSummary, InterfaceSummary, LineProbe, MediumSummary, Probe, ReachSummary, SideProbe,
 };
 
+/// Error bars of means over outcomes of random input, for the mesh alone.
+pub struct OfMeans {
+    /// Those of the quantities.
+    pub bars: Bars,
+    /// How far J is from the extrapolated one, and how far that may be off; none on a grid, where `bars` have it.
+    pub energy: Option<[f64; 2]>,
+}
+
 /// The report of a model on its last solution.
 pub struct Report<'a> {
     /// Energies.
@@ -41,6 +49,8 @@ pub struct Report<'a> {
     pub near: Vec<bool>,
     /// What has error bars; empty where these are not known.
     pub bars: Bars,
+    /// What has error bars in the mean over outcomes of random input, where these are known.
+    pub over_outcomes: Option<OfMeans>,
     /// The same along its lines.
     pub lines: Vec<LineProbe>,
     /// The same along its sides, with tractions.

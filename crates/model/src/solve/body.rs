@@ -319,6 +319,7 @@ impl Body {
             balanced: residual.balanced,
             reactions,
             works,
+            over_outcomes: None,
             free_motions: self.free.clone(),
             seconds: Seconds::default(),
             mesh: mesh.clone(),

@@ -6,6 +6,7 @@ use steklov_problem::{Scene, Spot};
 
 use crate::data::body_load::Particulars;
 use crate::energies::Energies;
+use crate::quantities::EstimatedQuantity;
 use crate::solve::contact::ContactResult;
 use crate::solve::fields::{ElasticField, Field};
 use crate::solve::medium::Around;
@@ -39,6 +40,15 @@ pub struct TieRow {
     pub traction: [f64; 2],
 }
 
+/// What the spaces of one degree more add to numbers in the mean over outcomes of random input.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct OverOutcomes {
+    /// The quantities in the order of those of an estimate, with their dual weighted residuals.
+    pub quantities: Vec<EstimatedQuantity>,
+    /// The J extrapolated less J, and how far that may be off.
+    pub energy: [f64; 2],
+}
+
 /// A solved mesh.
 pub struct Solved {
     /// The mesh.
@@ -69,6 +79,8 @@ pub struct Solved {
     pub reactions: Vec<(String, [f64; 2])>,
     /// The moments and weighted forces that the scene asks for, in their order, of the forces at nodes; zero between bodies.
     pub works: Vec<f64>,
+    /// What the enriched spaces add in the mean over outcomes of random input, if that is known.
+    pub over_outcomes: Option<OverOutcomes>,
     /// Rigid motions that nothing resists and no load drives; the displacement has none of them.
     pub free_motions: Vec<RigidMotion>,
     /// Wall seconds.

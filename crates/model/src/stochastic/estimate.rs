@@ -12,8 +12,9 @@ use crate::error::SolveError;
 use crate::estimate::elastic::EnrichedBody;
 use crate::estimate::error_estimate::{Bubble, Estimate, ROUNDOFF, estimate};
 use crate::estimators::{Estimator, ON_BOUNDARY, TRUNCATION};
+use crate::quantities::EstimatedQuantity;
 use crate::solve::body::{Body, Factors};
-use crate::solve::solution::Solved;
+use crate::solve::solution::{OverOutcomes, Solved};
 
 /// Most germs of which all combinations of two values are taken, and samples beyond.
 const FEW: usize = 4;
@@ -33,18 +34,19 @@ const NO_ENERGY: f64 = 1e-3;
 const SEED: u64 = 1;
 
 /// The estimate of an answer of the nominal outcome with its indicators, errors and scale replaced by their means in square over
-/// outcomes, see [`mean_over`]. Doubts are those of any.
+/// outcomes, see [`mean_over`], and what the enriched spaces add to its numbers in the mean. Doubts are those of any.
 pub(crate) fn mean_estimate(
     scene: &Scene,
     random: &Random,
     body: &Body,
     enriched: &EnrichedBody,
     nominal: &Estimate,
-) -> Result<Estimate, SolveError> {
+) -> Result<(Estimate, OverOutcomes), SolveError> {
     let outcomes = Outcomes::new(scene, random, body)?;
     let ends = ends(random);
     mean_over(scene, random, &ends, |points, weights| {
         let mut mean = nominal.clone();
+        let mut numbers = OverOutcomes::default();
         mean.doubts.retain(|doubt| *doubt != Doubt::Roundoff);
         let (mut error, mut scale) = (0.0, 0.0);
         mean.indicators.fill(Bubble::default());
@@ -61,6 +63,9 @@ pub(crate) fn mean_estimate(
                 sum.traction += weight * b.traction;
                 sum.oscillation += weight * b.oscillation;
             }
+            let gain = [one.energy - solved.energies.total, one.uncertainty];
+            numbers.energy.iter_mut().zip(gain).for_each(|(sum, own)| *sum += weight * own);
+            add_quantities(&mut numbers.quantities, *weight, &one.quantities);
             for doubt in one.doubts {
                 if !mean.doubts.contains(&doubt) {
                     mean.doubts.push(doubt);
@@ -74,8 +79,21 @@ pub(crate) fn mean_estimate(
         if (counts || mean.relative < ROUNDOFF) && !mean.doubts.contains(&Doubt::Roundoff) {
             mean.doubts.push(Doubt::Roundoff);
         }
-        Ok((error, mean))
+        Ok((error, (mean, numbers)))
     })
+}
+
+/// Adds the quantities of an outcome with its weight; those without dual weighted residuals in one outcome have none in the mean.
+fn add_quantities(sums: &mut Vec<EstimatedQuantity>, weight: f64, own: &[EstimatedQuantity]) {
+    if sums.is_empty() {
+        sums.extend(own.iter().map(|_| EstimatedQuantity { value: 0.0, enriched: 0.0, weighted: Some([0.0; 2]) }));
+    }
+    for (sum, own) in sums.iter_mut().zip(own) {
+        sum.value += weight * own.value;
+        sum.enriched += weight * own.enriched;
+        let both = sum.weighted.zip(own.weighted);
+        sum.weighted = both.map(|(sum, own)| [0, 1].map(|k| sum[k] + weight * own[k]));
+    }
 }
 
 /// The residual estimator in the mean over outcomes, see [`mean_over`]: each term in mean square, and with `truncation` (energy

@@ -18,6 +18,11 @@ use super::unseen::{beside_grid, beside_samples};
 use super::watch::OutcomesWatch;
 use crate::error::SolveError;
 
+/// Whether the outcomes of random input are solved one by one, so that others can do it.
+pub fn one_by_one(random: &Random) -> bool {
+    matches!(random.stochastic.method, Sampling::Sparse | Sampling::Corrected | Sampling::MonteCarlo)
+}
+
 /// An outcome's germs to its answer; the solution of a similar outcome may be the start.
 pub(super) type Answering<'a> = dyn Fn(&[f64], &mut Option<Solution>) -> Result<Answer, SolveError> + Sync + 'a;
 

@@ -5,8 +5,8 @@ use steklov_stochastic::CHAIN;
 use super::outcomes::Answer;
 use crate::error::SolveError;
 
-/// Answers outcomes, by their germs, elsewhere: in the order of the germs, and to the bits of [`answers`](super::answers) of the same
-/// solution, if lists that are divided are divided at multiples of [`TOGETHER`].
+/// Answers outcomes, by their germs, elsewhere: in the order of the germs, and to the bits of
+/// [`Prepared::answers`](super::Prepared::answers) on the last mesh, if lists that are divided are divided at multiples of [`TOGETHER`].
 pub type Elsewhere<'a> = dyn Fn(&[Vec<f64>]) -> Result<Vec<Answer>, SolveError> + Sync + 'a;
 
 /// Outcomes that follow each other, each beginning where the last one ended.
