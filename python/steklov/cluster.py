@@ -77,7 +77,9 @@ class Outcomes:
 @functools.lru_cache(maxsize=1)
 def prepared(text, name, settings, solution, mesh):
     """The scene on the last mesh of its solution, once in each process for a solution."""
-    return _steklov.prepare(text, name, list(settings), mesh)
+    from distributed import get_worker
+
+    return _steklov.prepare(text, name, list(settings), mesh, get_worker().state.nthreads)
 
 
 def outcomes_of_task(germs, scene, mesh):

@@ -4,6 +4,8 @@ import json
 import os
 import pathlib
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -57,6 +59,47 @@ def test_outcomes_have_the_bits_of_one_process(client, method):
     alone = steklov.solve(SCENE, **settings)
     shared = steklov.solve(SCENE, client=client, **settings)
     assert json.dumps(without_times(alone.summary)) == json.dumps(without_times(shared.summary))
+
+
+RANDOM = {"p": {"distribution": "uniform", "low": 0.5, "high": 1.5}}
+SAMPLES = {"method": "monte-carlo", "samples": 100}
+PLATE = {"corners": [[0, 0], [2, 0], [2, 1], [0, 1]], "sides": ["floor", "right", "top", "left"]}
+REFINED = {
+    "curves": {
+        "body": {**PLATE, "holes": [{"circle": {"centre": [1, 0.5], "radius": 0.2}, "side": "hole"}]},
+        "material": {"young": 1000, "poisson": 0.3},
+        "sides": {"left": {"displacement": [0, 0]}, "hole": {"traction": ["0", "-p*y"]}, "right": {"traction": [0, "1 + p"]}},
+        "method": {"tolerance": 1e-3},
+    },
+    "coarse cells": {
+        "body": PLATE,
+        "material": {"poisson": 0.3, "cells": {"size": 0.125, "young": "100 + 900*if((8*x - 0.5)^2 < 4, 1, 0)"}},
+        "sides": {"left": {"displacement": [0, 0]}, "right": {"traction": [0, "p"]}},
+        "grid": {"coarse": [4, 2], "fine": [8, 8]},
+        "method": {"model": "msfem", "tolerance": 1e-1},
+    },
+}
+
+
+@pytest.mark.parametrize("name", REFINED)
+def test_outcomes_on_refined_meshes_have_the_bits_of_one_process(client, name):
+    scene = {**REFINED[name], "random": RANDOM, "stochastic": SAMPLES}
+    alone, shared = steklov.solve(scene), steklov.solve(scene, client=client)
+    assert alone.summary["steps"] > 1
+    assert json.dumps(without_times(alone.summary)) == json.dumps(without_times(shared.summary))
+
+
+def test_workers_in_the_same_process_do_not_wait_for_its_only_thread():
+    program = f"""
+import os
+os.sched_setaffinity(0, [next(iter(os.sched_getaffinity(0)))])
+import distributed, steklov
+with distributed.Client(processes=False, n_workers=1, threads_per_worker=1, dashboard_address=None) as client:
+    result = steklov.solve({str(SCENE)!r}, client=client, method__tolerance=1e-1, stochastic={SAMPLES!r})
+    print(result.summary["converged"])
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert done.stdout == "True\n", done.stderr
 
 
 def test_outcomes_are_complete_where_a_worker_dies(client):

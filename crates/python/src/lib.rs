@@ -27,6 +27,10 @@ use steklov_plan::{explain, refused};
 
 use crate::answer::Solved;
 
+// the system's gives freed matrices back where an environment asks for it, as workers of Dask do: each outcome then waits for pages
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// How often Python looks for signals while a scene is solved.
 const LOOK: Duration = Duration::from_millis(50);
 

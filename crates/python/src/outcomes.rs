@@ -1,35 +1,47 @@
 //! Outcomes of random input that other processes answer.
 
-use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use steklov_document::Document;
 use steklov_model::error::SolveError;
 use steklov_model::stochastic::{Answer, LastMesh, Prepared as OnMesh, one_by_one};
 
-use crate::{raised, read, start_threads, watched};
+use crate::{STACK, raised, read, start_threads, watched};
 
 /// A scene with random input on the last mesh of its solution: it answers outcomes.
 #[pyclass(frozen)]
 pub struct Prepared {
     document: Document,
     on_mesh: OnMesh,
+    /// Its own threads: those of the process may all wait for these answers.
+    threads: ThreadPool,
 }
 
-/// A scene on the last mesh of its solution, as `elsewhere` of `solve` gets it.
+/// A scene on the last mesh of its solution, as `elsewhere` of `solve` gets it, for so many threads.
 #[pyfunction]
-pub fn prepare(py: Python<'_>, text: &str, name: &str, overrides: Vec<String>, mesh: &[u8]) -> PyResult<Prepared> {
+pub fn prepare(
+    py: Python<'_>,
+    text: &str,
+    name: &str,
+    overrides: Vec<String>,
+    mesh: &[u8],
+    threads: usize,
+) -> PyResult<Prepared> {
     start_threads(py)?;
+    let threads = ThreadPoolBuilder::new().num_threads(threads.max(1)).stack_size(STACK).build();
+    let threads = threads.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let document = read(py, text, name, &overrides)?;
     check(py, &document)?;
     let mesh: LastMesh = postcard::from_bytes(mesh).map_err(|e| PyValueError::new_err(e.to_string()))?;
     let scene = &document.scene;
     let on_mesh = watched(py, None, &|| {}, |_, _| {
         scene.check()?;
-        rayon::scope(|_| OnMesh::new(scene, &mesh))
+        threads.install(|| OnMesh::new(scene, &mesh))
     })?;
     match on_mesh {
-        Ok(on_mesh) => Ok(Prepared { document, on_mesh }),
+        Ok(on_mesh) => Ok(Prepared { document, on_mesh, threads }),
         Err(error) => Err(told(py, error)),
     }
 }
@@ -44,7 +56,7 @@ impl Prepared {
         if let Some(wrong) = germs.iter().find(|own| own.len() != count) {
             return Err(PyValueError::new_err(format!("{} germs of {count}", wrong.len())));
         }
-        let solved = py.detach(|| self.on_mesh.answers(scene, random, &germs));
+        let solved = py.detach(|| self.threads.install(|| self.on_mesh.answers(scene, random, &germs)));
         let solved = solved.map_err(|error| told(py, error))?;
         let bytes = postcard::to_stdvec(&solved).map_err(|e| PyValueError::new_err(e.to_string()))?;
         Ok(PyBytes::new(py, &bytes))
