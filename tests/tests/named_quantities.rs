@@ -25,6 +25,7 @@ fn made(text: &str) -> Scene {
 fn numbers_of_westergaards_wave_are_inside_their_bars() {
     let known = [
         ("pressure.middle", 0.048822889424),
+        ("contact.max_pressure", 0.048822889424),
         ("pressure.beside", 0.041764628826),
         ("mean_displacement.sinks.y", -0.04693421737431516),
         ("moment.turns", 0.0008564278933307158),
@@ -45,7 +46,7 @@ fn numbers_of_westergaards_wave_are_inside_their_bars() {
             last.push(uncertainty / exact.abs());
         }
     }
-    assert!(last.iter().zip([1e-4, 1e-5, 1e-8, 1e-7, 1e-6]).all(|(bar, most)| *bar < most), "{last:?}");
+    assert!(last.iter().zip([1e-4, 1e-4, 1e-5, 1e-8, 1e-7, 1e-6]).all(|(bar, most)| *bar < most), "{last:?}");
 }
 
 /// With sin πx = sin πa sin θ Westergaard's pressure is (2p̄/π) cos²θ dθ: its work on sin 20x is a smooth integral.

@@ -9,6 +9,8 @@
 //! A moment by the balance of nodal forces is 10 to 150 times nearer than ∫ (x - c) × t, which it is between bodies and with stabilised
 //! multipliers; its w - I_p w is zero on straight elements.
 
+use std::f64::consts::PI;
+
 use steklov_bem_operators::{Mesh, SAME_PLACE, Site};
 use steklov_contact::Located;
 use steklov_elastic::plane::{dot, minus};
@@ -23,6 +25,13 @@ const MORE: [usize; 2] = [2, 16];
 
 /// The same for weights, which may have many waves on an element.
 const OF_WEIGHTS: usize = 48;
+
+/// Points at which the largest pressure on an element is looked for, for each degree, and steps that leave two thirds of an interval.
+const SAMPLES: usize = 2;
+const THIRDS: usize = 24;
+
+/// A pressure, and the edge and its parameter where it is.
+type Pressed = (f64, (usize, f64));
 
 /// How many numbers a quantity has.
 pub(crate) fn components(kind: &QuantityKind) -> usize {
@@ -49,8 +58,36 @@ impl OnMesh<'_> {
     }
 
     fn pressure(&self, field: &ElasticField<'_>, x: [f64; 2]) -> f64 {
-        let Ok((edge, s)) = self.scene.problem.pressed_at(x) else { return f64::NAN };
+        self.scene.problem.pressed_at(x).map_or(f64::NAN, |at| self.pressure_on(field, at))
+    }
+
+    /// The pressure at the edge parameter s of an edge.
+    pub(crate) fn pressure_on(&self, field: &ElasticField<'_>, (edge, s): (usize, f64)) -> f64 {
         self.on_edge(edge, s, |e, t| -dot(field.traction(e, t), self.mesh.normal(e, t)))
+    }
+
+    /// The edge and its parameter at which the pressure of contact is largest.
+    pub(crate) fn most_pressed(&self, field: &ElasticField<'_>) -> Option<(usize, f64)> {
+        let touching = (0..self.mesh.len()).filter(|&e| self.scene.contact(self.mesh.side[e]).is_some());
+        let at = |e: usize, t: f64| {
+            let [a, b] = self.mesh.span[e];
+            let place = (self.mesh.edge[e], a + (b - a) * (1.0 + t) / 2.0);
+            (self.pressure_on(field, place), place)
+        };
+        let larger = |a: &Pressed, b: &Pressed| a.0.total_cmp(&b.0);
+        let of = |e: usize| {
+            // the pressure is a polynomial of the degree of the element
+            let parts = SAMPLES * (self.space.degree(e) + 1);
+            let point = |k: usize| -(k as f64 * PI / parts as f64).cos();
+            let best = (0..=parts).max_by(|&a, &b| at(e, point(a)).0.total_cmp(&at(e, point(b)).0))?;
+            let (mut low, mut high) = (point(best.saturating_sub(1)), point((best + 1).min(parts)));
+            for _ in 0..THIRDS {
+                let [a, b] = [1.0, 2.0].map(|k| low + k * (high - low) / 3.0);
+                if at(e, a).0 < at(e, b).0 { low = a } else { high = b }
+            }
+            [at(e, point(best)), at(e, (low + high) / 2.0)].into_iter().max_by(larger)
+        };
+        touching.filter_map(of).max_by(larger).filter(|(pressure, _)| *pressure > 0.0).map(|(_, place)| place)
     }
 
     /// A number at the edge parameter s of an edge; between two of its elements the mean of both.

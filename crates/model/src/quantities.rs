@@ -120,7 +120,12 @@ pub(crate) fn at_points(scene: &Scene, field: &ElasticField<'_>) -> Vec<f64> {
 
 /// Whether quantities of a scene need the tractions of the enriched spaces.
 pub(crate) fn needs_tractions(scene: &Scene) -> bool {
-    !scene.probe.is_empty() || !scene.quantities.is_empty() || extracts_ends(scene)
+    !scene.probe.is_empty() || !scene.quantities.is_empty() || has_contact(scene)
+}
+
+/// Whether a scene has contact with biorthogonal multipliers, whose largest pressure is a quantity.
+pub(crate) fn has_contact(scene: &Scene) -> bool {
+    scene.contacts().next().is_some() && scene.method.multiplier == Multiplier::Biorthogonal
 }
 
 /// The forces of sides, with their numbers, whose error bars are known: of supports and rigid obstacles, without those of springs.
@@ -159,6 +164,8 @@ enum Of {
     Force(usize),
     /// One of the named quantities.
     Named(usize),
+    /// The largest pressure of contact.
+    Peak,
     /// The length of contact.
     Length,
 }
@@ -201,6 +208,9 @@ fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
         };
         let paths = if components(kind) == 2 { ["x", "y"].map(|i| format!("{path}.{i}")).to_vec() } else { vec![path] };
         add(Of::Named(k), sort, paths);
+    }
+    if has_contact(scene) {
+        add(Of::Peak, Kind::Stress, vec!["contact.max_pressure".to_owned()]);
     }
     if extracts_ends(scene) {
         add(Of::Length, Kind::Displacement, vec!["contact.length".to_owned()]);
@@ -274,7 +284,7 @@ impl Bars {
                 }
                 None => (OF_SINGLE * seen(last, k)).max(quantity.weighted.map_or(0.0, |[sum, _]| sum)),
             };
-            let is_pressure = matches!(entries[k], Entry { of: Of::Named(_), kind: Kind::Stress, .. });
+            let is_pressure = matches!(entries[k], Entry { of: Of::Named(_) | Of::Peak, kind: Kind::Stress, .. });
             [if is_pressure { enriched } else { value }, uncertainty]
         };
         let values = last.quantities.iter().enumerate().map(of).collect();
@@ -441,6 +451,8 @@ pub(crate) struct Told<'a> {
     pub named: &'a Named,
     /// Which of them are near an end of contact.
     pub near: &'a [bool],
+    /// Whether the largest pressure of contact is not zero, and no stress on a side in contact infinite.
+    pub has_peak: bool,
     /// The length of contact, and what misplaced vertices add to its uncertainty.
     pub length: Option<[f64; 2]>,
     /// The contact table.
@@ -478,6 +490,11 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
             quantity.parts = of_parts(parts);
         }
         match entry.of {
+            Of::Peak => {
+                if !(told.has_peak && value.is_finite() && uncertainty.is_finite()) {
+                    continue;
+                }
+            }
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {
                 Some([length, of_vertices]) => quantity = with(length, uncertainty + of_vertices),
                 None => continue,

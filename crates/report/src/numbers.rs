@@ -134,7 +134,7 @@ fn row(what: impl Into<String>, value: Vec<Piece>, unit: Unit, error: Vec<Piece>
 /// Rows of the whole result.
 pub(crate) fn rows(s: &Summary) -> Vec<Row> {
     let mut rows = energies(s);
-    rows.extend(s.contact.iter().flat_map(of_contact));
+    rows.extend(s.contact.iter().flat_map(|c| of_contact(s, c)));
     rows.extend(of_forces(s));
     rows.extend(of_names(s));
     rows.extend(of_parts(s));
@@ -174,7 +174,8 @@ fn energies(s: &Summary) -> Vec<Row> {
     rows
 }
 
-fn of_contact(c: &ContactSummary) -> Vec<Row> {
+fn of_contact(s: &Summary, c: &ContactSummary) -> Vec<Row> {
+    let bar = |path: &str| s.quantities.get(path).map(|told| within("± ", told.uncertainty, 2, ""));
     let located = match &c.ends {
         Some(_) => "between ends of contact that have vertices of their own",
         None => "sum over the nodes that press: their distance is the error",
@@ -184,10 +185,15 @@ fn of_contact(c: &ContactSummary) -> Vec<Row> {
         false => "at a node; not estimated by itself",
     };
     let mut rows = vec![
-        row("contact: length", one(c.length), Unit::Length, words(located)),
+        row("contact: length", one(c.length), Unit::Length, bar("contact.length").unwrap_or_else(|| words(located))),
         row("contact: length that sticks", one(c.stick), Unit::Length, vec![]),
         row("contact: length that slips", one(c.slip), Unit::Length, vec![]),
-        row("contact: largest pressure", one(c.max_pressure), Unit::Stress, words(largest)),
+        row(
+            "contact: largest pressure",
+            one(c.max_pressure),
+            Unit::Stress,
+            bar("contact.max_pressure").unwrap_or_else(|| words(largest)),
+        ),
         row("contact: force on the body", vector(c.force), Unit::Force, vec![]),
     ];
     for (k, end) in c.ends.iter().flatten().enumerate() {

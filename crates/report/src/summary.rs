@@ -162,12 +162,15 @@ fn contact(stored: &Record, c: &ContactSummary, lines: &mut Lines) {
     let s = &stored.summary;
     let (stick, slip) = (part(c.stick, c.length), part(c.slip, c.length));
     let count = s.iterations;
-    lines.say("contact", format!("length {}, stick {stick}, slip {slip}, {count} iterations", usual(c.length)));
+    let with_bar =
+        |value: f64, path: &str| one_with_bar(value, s.quantities.get(path).map(|told| told.uncertainty), value);
+    let length = with_bar(c.length, "contact.length");
+    lines.say("contact", format!("length {length}, stick {stick}, slip {slip}, {count} iterations"));
     let largest = stored.contact.iter().max_by(|a, b| a.pressure.total_cmp(&b.pressure));
     let place =
         largest.filter(|row| row.pressure > 0.0).map_or(String::new(), |row| format!(" at {}", vector(row.point)));
     let note = if c.max_pressure_unbounded { " (the exact one is infinite: this is a number of the mesh)" } else { "" };
-    lines.say("", format!("largest pressure {}{place}{note}", usual(c.max_pressure)));
+    lines.say("", format!("largest pressure {}{place}{note}", with_bar(c.max_pressure, "contact.max_pressure")));
     lines.say("", format!("force on the body {}", vector(c.force)));
     if let Some(factor) = c.contraction {
         let note = if factor < 1.0 { "" } else { ": the fixed point of Tresca problems does not settle" };

@@ -117,7 +117,8 @@ slipping = np.isin(status, [2, 3])
 assert np.all(np.sign(u_t[slipping]) == np.where(status[slipping] == 2, 1, -1))
 close((weight * 0.3 * np.abs(u_t)).sum(), told["friction_work"], 1e-13)
 close(weight[status > 0].sum(), told["contact"]["length"], 1e-12)
-close(pressure.max(), told["contact"]["max_pressure"], 0)
+# that of the enriched spaces between the nodes
+close(pressure.max(), told["contact"]["max_pressure"], 2e-3 * pressure.max())
 for row, x in enumerate(where):
     i = np.flatnonzero((points == x).all(axis=1))[0]
     close([-displacement[i, 1], displacement[i, 0]], [u_n[row], u_t[row]], 1e-15)

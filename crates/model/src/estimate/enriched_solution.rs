@@ -73,13 +73,18 @@ pub(crate) fn both(
         let works = data.works_with(&solved.works, &change);
         both.extend(pair(data.named(&solved.elastic_field(), &solved.works), data.named(plus, &works)));
     }
+    let peak = plus.as_ref().and_then(|plus| data.most_pressed(plus));
+    if quantities::has_contact(scene) {
+        let at = |field: &ElasticField<'_>| peak.map_or(f64::NAN, |place| data.pressure_on(field, place));
+        both.push([at(&solved.elastic_field()), plus.as_ref().map_or(f64::NAN, at)]);
+    }
     let mut ends = Vec::new();
     if let (Some(part), Some(plus)) = (&factors.contact, &plus) {
         ends = data.contact_ends(tips, part, [&solved.elastic_field(), plus]);
     }
     both.extend(length_of_contact(scene, tips, &ends));
     let mut functionals =
-        if has_duals(scene, tips, &ends) { data.functionals(solved, field.as_ref()) } else { Vec::new() };
+        if has_duals(scene, tips, &ends) { data.functionals(solved, field.as_ref(), peak) } else { Vec::new() };
     functionals.resize(both.len(), None);
     let all = both.iter().zip(functionals).map(|(&[value, enriched], functional)| {
         let weighted = functional.and_then(|functional| duals.weighted(&functional, &rest.base, &ends));

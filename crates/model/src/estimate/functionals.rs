@@ -48,8 +48,13 @@ impl LinearFunctional {
 
 impl OnMesh<'_> {
     /// The functionals of all quantities, for fields of the degrees of `field`, without one those of forces alone; None for those that have
-    /// none.
-    pub(crate) fn functionals(&self, solved: &Solved, field: Option<&Field>) -> Vec<Option<LinearFunctional>> {
+    /// none. The pressure is largest at `peak`.
+    pub(crate) fn functionals(
+        &self,
+        solved: &Solved,
+        field: Option<&Field>,
+        peak: Option<(usize, f64)>,
+    ) -> Vec<Option<LinearFunctional>> {
         let scene = self.scene;
         let along = |i: usize| [0, 1].map(|k| f64::from(u8::from(i == k)));
         let forces = quantities::forces(scene, &solved.reactions);
@@ -65,7 +70,10 @@ impl OnMesh<'_> {
         all.extend(forces);
         for quantity in &scene.quantities {
             match quantity.kind {
-                QuantityKind::PressureAt(x) => all.push(self.of_pressure(field, x)),
+                QuantityKind::PressureAt(x) => {
+                    let place = scene.problem.pressed_at(x).ok();
+                    all.push(place.map(|place| self.of_pressure(field, place)));
+                }
                 QuantityKind::MeanDisplacement(side) => all.extend(self.of_mean(field, side).map(Some)),
                 QuantityKind::Moment { .. } | QuantityKind::WeightedForce { .. } => {
                     let balanced = quantity.kind.weighted_side().filter(|(side, _)| self.is_balanced(*side));
@@ -74,6 +82,7 @@ impl OnMesh<'_> {
                 QuantityKind::OpeningAt(x) => all.push(self.of_opening(field, x)),
             }
         }
+        all.extend(quantities::has_contact(scene).then(|| peak.map(|place| self.of_pressure(field, place))));
         all.extend(extracts_ends(scene).then_some(None));
         all
     }
@@ -125,15 +134,14 @@ impl OnMesh<'_> {
         LinearFunctional { of_forces, ..LinearFunctional::default() }
     }
 
-    fn of_pressure(&self, field: &Field, x: [f64; 2]) -> Option<LinearFunctional> {
-        let (edge, s) = self.scene.problem.pressed_at(x).ok()?;
+    fn of_pressure(&self, field: &Field, (edge, s): (usize, f64)) -> LinearFunctional {
         let at = elements_at(self.mesh, edge, s);
         let mut functional = LinearFunctional::default();
         for &(e, t) in &at {
             let traction = self.mesh.normal(e, t).map(|n| -n / at.len() as f64);
             functional.add(field, (e, t), &Trace { traction, ..NOTHING });
         }
-        Some(functional)
+        functional
     }
 
     fn of_mean(&self, field: &Field, side: usize) -> [LinearFunctional; 2] {

@@ -54,6 +54,8 @@ pub fn answer<M: Model>(
     probes::tell_unbounded(&mut probe, &mut lines, &mut sides, &infinite);
     probes::tell_invariants(scene, &mut probe);
     report.bars.tell(&mut values);
+    // beside an infinite shear a finite pressure has no digits
+    let is_beside = rows.iter().any(|row| infinite(row.point));
     let named = named(scene, &values, infinite);
     let told = || singular_points::told(scene, report.trace.mesh, rows, singular);
     let infinite_stress = if exact { Vec::new() } else { told() };
@@ -75,8 +77,11 @@ pub fn answer<M: Model>(
     let off = off.and_then(|located| of_vertices(scene, located));
     let by_ends = contact_in_numbers.as_ref().filter(|told| told.ends.is_some());
     let length = by_ends.zip(off).map(|(told, off)| [told.length, off]);
+    let is_pressed = |told: &ContactSummary| told.max_pressure > 0.0 && !told.max_pressure_unbounded;
+    let has_peak = !is_beside && contact_in_numbers.as_ref().is_some_and(is_pressed);
     let energy = (energies.total, report.energy);
-    let told = Told { energy, probes: &probe, named: &named, near: &report.near, length, rows, doubts: &doubts };
+    let told =
+        Told { energy, probes: &probe, named: &named, near: &report.near, length, rows, has_peak, doubts: &doubts };
     let mut of_means = Quantities::new();
     if let (Some(result), Some(OfMeans { bars, energy })) = (outcomes, &report.over_outcomes) {
         let told = Told { energy: (0.0, *energy), length: None, ..told };
@@ -107,7 +112,6 @@ pub fn answer<M: Model>(
         estimate: report.error.map(|[error, _]| error),
         estimate_relative: report.error.map(|[_, relative]| relative),
         estimate_doubts: doubts,
-        quantities,
         estimators: report
             .estimators
             .map(|own| Estimators { stochastic: outcomes.and_then(|result| result.estimator.clone()), ..own }),
@@ -115,7 +119,8 @@ pub fn answer<M: Model>(
         contact: contact_in_numbers.map(|told| {
             // nothing says which end belongs to which of several interfaces
             let several = scene.problem.interfaces().len() > 1 && scene.problem.has_several_bodies();
-            ContactSummary { ends: told.ends.filter(|_| !several), ..told }
+            let max_pressure = quantities.get("contact.max_pressure").map_or(told.max_pressure, |peak| peak.value);
+            ContactSummary { ends: told.ends.filter(|_| !several), max_pressure, ..told }
         }),
         bodies: report.bodies,
         interfaces: report.interfaces,
@@ -127,6 +132,7 @@ pub fn answer<M: Model>(
         infinite_stress,
         probe_lines: lines,
         probe_sides: sides,
+        quantities,
         stochastic: scene.random.as_ref().zip(outcomes).map(|(random, result)| stochastic::json(random, result)),
         grid: report.grid,
         exterior,

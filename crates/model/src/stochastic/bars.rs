@@ -55,6 +55,8 @@ fn sources(scene: &Scene, path: &str) -> Vec<String> {
             let sides = scene.contacts().map(|(side, _)| &scene.problem.sides[side].name);
             sides.map(|name| format!("reactions.{name}.{}", of_vector(k))).collect()
         }
+        // of outcomes these are numbers of nodes
+        ["contact", "max_pressure" | "length"] => Vec::new(),
         ["reactions", ref side @ .., k] => vec![format!("reactions.{}.{}", side.join("."), of_vector(k))],
         ["probe", point, "displacement", k] => vec![format!("probe.{point}.displacement.{}", of_vector(k))],
         ["probe", point, "stress", k] => {
