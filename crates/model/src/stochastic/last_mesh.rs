@@ -53,7 +53,7 @@ impl Prepared {
     /// *Cost*: of boundary elements that of a single mesh.
     ///
     /// # Errors
-    /// [`SolveError::Bem`] for a mesh of another scene; those of [`solve_scene`](crate::solve).
+    /// [`SolveError::Bem`] for a mesh of another scene; those of [`solve`](crate::solve()) for a single mesh.
     pub fn new(scene: &Scene, last: &LastMesh) -> Result<Self, SolveError> {
         match last {
             LastMesh::Elements(edges) => {
