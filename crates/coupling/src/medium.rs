@@ -1,7 +1,7 @@
 //! The unbounded homogeneous medium around the body.
 
 use steklov_algebra::Cholesky;
-use steklov_bem_operators::{BemError, BoundaryField, Inside, Mesh, Operators, Space, Trace};
+use steklov_bem_operators::{BemError, BoundaryField, Functional, Inside, Mesh, Operators, Space, Trace};
 use steklov_elastic::Material;
 
 use crate::dense::product;
@@ -72,7 +72,8 @@ impl Medium {
 
     /// The field of a solution in the medium.
     pub fn field(&self, solution: &Coupled) -> MediumField {
-        MediumField::new(&self.mesh, &self.space, &self.material, self.operators.length, solution)
+        let of = (&solution.exterior_displacement[..], &solution.traction[..], solution.constant);
+        MediumField::new(&self.mesh, &self.space, &self.material, self.operators.length, of)
     }
 }
 
@@ -85,14 +86,24 @@ pub struct MediumField {
 
 impl MediumField {
     /// The field of ξ, φ and a of a solution on boundary elements and their unknowns; `length` is L in log(L/r).
-    pub fn new(mesh: &Mesh, space: &Space, material: &Material, length: f64, solution: &Coupled) -> Self {
-        let (u, t) = (&solution.exterior_displacement, &solution.traction);
-        Self { field: BoundaryField::new(mesh, space, material, u, t, length), constant: solution.constant }
+    pub fn new(
+        mesh: &Mesh,
+        space: &Space,
+        material: &Material,
+        length: f64,
+        (u, t, constant): (&[f64], &[f64], [f64; 2]),
+    ) -> Self {
+        Self { field: BoundaryField::new(mesh, space, material, u, t, length), constant }
     }
 
     /// Values on the boundary, from the medium, at the reference coordinate t of element e.
     pub fn trace(&self, e: usize, t: f64) -> Trace {
         self.field.trace(e, t)
+    }
+
+    /// Displacement x, y and stress xx, yy, xy at a point outside of the body, without a, as functionals of fields of these degrees.
+    pub fn functionals_at(&self, x: [f64; 2]) -> [Functional; 5] {
+        self.field.functionals_inside(x).map(|own| Functional::sum(&[own], &[-1.0]))
     }
 
     /// Values at a point outside of the body (not on the boundary; in the body u is 0 up to the error).

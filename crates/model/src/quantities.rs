@@ -100,11 +100,16 @@ const OF_POINT: [&str; 8] = [
     "min_principal",
 ];
 
-/// Displacement, stress and its invariants at the points of a scene.
-pub(crate) fn at_points(scene: &Scene, field: &ElasticField<'_>) -> Vec<f64> {
+/// Displacement, stress and its invariants at the points of a scene, of a field and that of a medium around a body, if there is one.
+pub(crate) fn at_points(
+    scene: &Scene,
+    field: &ElasticField<'_>,
+    medium: Option<&dyn Fn([f64; 2]) -> ([f64; 2], [f64; 3])>,
+) -> Vec<f64> {
     let outline = &scene.problem.outline;
-    let at = |x: [f64; 2]| match outline.contains(x) {
-        Location::Boundary { edge, s } => field.on_edge(edge, s),
+    let at = |x: [f64; 2]| match (outline.contains(x), medium) {
+        (Location::Boundary { edge, s }, _) => field.on_edge(edge, s),
+        (Location::Outside, Some(medium)) => medium(x),
         _ => field.inside(outline.body_at(x).unwrap_or(0), x),
     };
     scene

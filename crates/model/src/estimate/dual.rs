@@ -104,9 +104,12 @@ impl Duals<'_> {
         let mut load = self.system.elastic.zero();
         let mut tops = Vec::new();
         for (piece, of_field) in &functional.of_fields {
-            let assembled = &self.body.pieces[*piece];
-            let values = of_field.enriched(&assembled.piece.part.space);
-            let (own, top) = self.system.elastic.dual_load(*piece, &assembled.traction_map, &values)?;
+            let (space, traction_map) = match self.body.pieces.get(*piece) {
+                Some(assembled) => (&assembled.piece.part.space, &*assembled.traction_map),
+                None => (&self.body.space, &self.body.outside.as_ref()?.traction_map),
+            };
+            let values = of_field.enriched(space);
+            let (own, top) = self.system.elastic.dual_load(*piece, traction_map, &values)?;
             load.add(1.0, &own);
             tops.push((*piece, top));
         }

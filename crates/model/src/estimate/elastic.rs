@@ -68,8 +68,11 @@ impl EnrichedBody {
     /// # Errors
     /// Those of [`EnrichedSteklov::new`].
     pub fn new(body: &mut Body, cache: &mut PairCache, tractions: bool) -> Result<Self, BemError> {
-        let outside =
-            body.outside.as_ref().map(|outside| outside.enriched(&body.mesh, &body.space, cache)).transpose()?;
+        let outside = body
+            .outside
+            .as_ref()
+            .map(|outside| outside.enriched(&body.mesh, &body.space, cache, tractions))
+            .transpose()?;
         let mut bodies = Vec::new();
         for Assembled { piece, length, traction_map, enriched, modulus, turning, .. } in &mut body.pieces {
             let part = &piece.part;
@@ -188,6 +191,17 @@ impl<'a> Elastic<'a> {
     /// No displacement, or load, on all nodes and bubbles.
     pub(crate) fn zero(&self) -> Enriched {
         Enriched { base: vec![0.0; 2 * self.nodes], extra: vec![0.0; 2 * self.elements] }
+    }
+
+    /// The number of the medium among the parts, if there is one around a body.
+    pub(crate) fn medium(&self, body: &Body) -> Option<usize> {
+        body.outside.is_some().then_some(body.pieces.len())
+    }
+
+    /// S₊ of the medium times bubbles.
+    pub(crate) fn forces_of_medium(&self, medium: usize, bubbles: &[f64]) -> Enriched {
+        let own = Enriched { base: vec![0.0; 2 * self.nodes], extra: bubbles.to_vec() };
+        self.parts[medium].enriched.multiply(&own, &vec![0.0; 2 * self.nodes])
     }
 
     /// Forces on the bubbles, two for each element.

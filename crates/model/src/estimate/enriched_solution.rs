@@ -8,9 +8,9 @@
 
 use std::collections::BTreeSet;
 
-use steklov_bem_operators::{BoundaryField, Enriched, Raised};
+use steklov_bem_operators::{BoundaryField, Enriched, Inside, Raised};
 use steklov_contact::{ContactBubble, Tip};
-use steklov_coupling::Radiation;
+use steklov_coupling::{MediumField, Radiation};
 use steklov_elastic::RigidMotion;
 use steklov_elastic::plane::dot;
 use steklov_problem::{Condition, NamedQuantity, Scene};
@@ -50,6 +50,11 @@ pub(crate) fn both(
     }
     let missed = Enriched { base: vec![0.0; right.base.len()], extra: missed(data, solved, system.frames, bubbles)? };
     let mut residual = right.clone();
+    let medium = system.elastic.medium(body);
+    let of_jump = medium.map(|medium| Ok::<_, SolveError>((medium, data.missed_of_jump()?))).transpose()?;
+    if let Some((medium, bubbles)) = &of_jump {
+        residual.add(1.0, &system.elastic.forces_of_medium(*medium, bubbles));
+    }
     if missed.extra.iter().any(|bubble| *bubble != 0.0) {
         residual.add(-1.0, &system.multiply(&missed));
     }
@@ -60,10 +65,20 @@ pub(crate) fn both(
     change.iter_mut().zip(&right.base).for_each(|(force, r)| *force -= r);
     let mut both: Vec<[f64; 2]> = Vec::new();
     let field = field(body, (solved, factors), system.elastic, &correction);
+    let around = of_jump.and_then(|(_, jump)| medium_field(body, factors, system.elastic, (&correction, &jump)));
     let plus = field.as_ref().map(|field| ElasticField { field, ..solved.elastic_field() });
     let pair = |value: Vec<f64>, plus: Vec<f64>| value.into_iter().zip(plus).map(|(value, plus)| [value, plus]);
     if let Some(plus) = &plus {
-        both.extend(pair(quantities::at_points(scene, &solved.elastic_field()), quantities::at_points(scene, plus)));
+        let medium = solved.around.as_ref();
+        let before = medium.map(|medium| |x: [f64; 2]| medium.at(x));
+        let after = medium.zip(around.as_ref()).map(|(medium, field)| {
+            |x: [f64; 2]| {
+                let Inside { displacement, stress, .. } = field.at(x);
+                medium.with_remote(x, displacement, stress)
+            }
+        });
+        let value = quantities::at_points(scene, &solved.elastic_field(), before.as_ref().map(|at| at as &At<'_>));
+        both.extend(pair(value, quantities::at_points(scene, plus, after.as_ref().map(|at| at as &At<'_>))));
     }
     for (force, side) in quantities::forces(scene, &solved.reactions) {
         let gained = data.change_of_force(side, &change);
@@ -83,8 +98,11 @@ pub(crate) fn both(
         ends = data.contact_ends(tips, part, [&solved.elastic_field(), plus]);
     }
     both.extend(length_of_contact(scene, tips, &ends));
-    let mut functionals =
-        if has_duals(scene, tips, &ends) { data.functionals(solved, field.as_ref(), peak) } else { Vec::new() };
+    let mut functionals = if has_duals(scene, tips, &ends) {
+        data.functionals(solved, (field.as_ref(), around.as_ref()), peak)
+    } else {
+        Vec::new()
+    };
     functionals.resize(both.len(), None);
     let all = both.iter().zip(functionals).map(|(&[value, enriched], functional)| {
         let weighted = functional.and_then(|functional| duals.weighted(&functional, &rest.base, &ends));
@@ -98,13 +116,15 @@ pub(crate) fn both(
     Ok((all.collect(), ends))
 }
 
-/// Whether quantities are asked for; of media those whose displacement decays have them, where boundary elements are on the side of the
-/// medium alone.
+/// Displacement and stress at a point.
+type At<'a> = dyn Fn([f64; 2]) -> ([f64; 2], [f64; 3]) + 'a;
+
+/// Whether quantities are asked for; of media those whose displacement decays have them.
 fn is_known(scene: &Scene, solved: &Solved) -> bool {
     let decays = |body: usize| scene.problem.radiation(body).is_none_or(|radiation| radiation == Radiation::Decaying);
     let bounded = (0..scene.problem.bodies.len()).all(decays);
     let asked = quantities::needs_tractions(scene) || quantities::forces(scene, &solved.reactions).next().is_some();
-    asked && bounded && solved.around.is_none()
+    asked && bounded && solved.around.as_ref().is_none_or(|around| around.radiation == Radiation::Decaying)
 }
 
 /// β, two for each element: along the directions in which the data hold it.
@@ -166,6 +186,27 @@ fn field<'b>(
     };
     let pieces: Option<Vec<_>> = body.pieces.iter().enumerate().map(of).collect();
     Some(Field::new(pieces?, body.cuts.clone(), body.mesh.len()))
+}
+
+/// The field of ξ₊ = u₊ - u0 in the medium around a body, by the correction of the displacement and the bubbles of the jump u0; None
+/// without tractions.
+fn medium_field(
+    body: &Body,
+    factors: &Factors,
+    elastic: &Elastic<'_>,
+    (correction, jump): (&Enriched, &[f64]),
+) -> Option<MediumField> {
+    let (medium, outside) = (elastic.medium(body)?, body.outside.as_ref()?);
+    let sum = |a: &[f64], b: &[f64], factor: f64| a.iter().zip(b).map(|(a, b)| a + factor * b).collect::<Vec<f64>>();
+    let displacement = Enriched {
+        base: sum(factors.outside.as_ref()?, &correction.base, 1.0),
+        extra: sum(&elastic.bubbles_of(medium, &correction.extra), jump, -1.0),
+    };
+    let traction = elastic.enriched(medium).traction(&outside.traction_map, &displacement)?;
+    let Raised { mesh, space, displacement, traction } = Raised::new(&body.mesh, &body.space, &displacement, &traction);
+    // at infinity it decays
+    let of = (&displacement[..], &traction[..], [0.0; 2]);
+    Some(MediumField::new(&mesh, &space, &outside.material, outside.length, of))
 }
 
 impl OnMesh<'_> {

@@ -5,6 +5,7 @@
 
 use steklov_bem_operators::{Functional, Location, Trace};
 use steklov_contact::Tip;
+use steklov_coupling::MediumField;
 use steklov_problem::{Friction, QuantityKind, Scene, Surfaces};
 
 use crate::answer::probes::{invariants, slopes};
@@ -52,7 +53,7 @@ impl OnMesh<'_> {
     pub(crate) fn functionals(
         &self,
         solved: &Solved,
-        field: Option<&Field>,
+        (field, around): (Option<&Field>, Option<&MediumField>),
         peak: Option<(usize, f64)>,
     ) -> Vec<Option<LinearFunctional>> {
         let scene = self.scene;
@@ -64,7 +65,7 @@ impl OnMesh<'_> {
         for &x in &scene.probe {
             match self.touches(x) {
                 true => all.extend([const { None }; 8]),
-                false => all.extend(self.at_point(solved, field, x).map(Some)),
+                false => all.extend(self.at_point(solved, (field, around), x).map(Some)),
             }
         }
         all.extend(forces);
@@ -97,7 +98,12 @@ impl OnMesh<'_> {
     }
 
     /// Displacement, stress and the slopes of its invariants at a point.
-    fn at_point(&self, solved: &Solved, field: &Field, x: [f64; 2]) -> [LinearFunctional; 8] {
+    fn at_point(
+        &self,
+        solved: &Solved,
+        (field, around): (&Field, Option<&MediumField>),
+        x: [f64; 2],
+    ) -> [LinearFunctional; 8] {
         let outline = &self.scene.problem.outline;
         let of_invariants = slopes(solved.probe(self.scene, x).stress, |stress| invariants(self.scene, x, stress));
         // weights of displacement and stress
@@ -115,8 +121,14 @@ impl OnMesh<'_> {
             }
             return all;
         }
-        let piece = field.piece_at(outline.body_at(x).unwrap_or(0), x);
-        let own = field.of_piece(piece).functionals_inside(x);
+        let (piece, own) = match (outline.contains(x), around) {
+            // behind the bodies
+            (Location::Outside, Some(around)) => (self.scene.problem.outline.bodies().len(), around.functionals_at(x)),
+            _ => {
+                let piece = field.piece_at(outline.body_at(x).unwrap_or(0), x);
+                (piece, field.of_piece(piece).functionals_inside(x))
+            }
+        };
         for (functional, weights) in all.iter_mut().zip(&weights) {
             functional.of_fields.push((piece, Functional::sum(&own, weights)));
         }

@@ -32,13 +32,13 @@ use crate::solve::medium::Around;
 /// The medium around a body, on the mesh of the body, and the jump of the displacement between them.
 pub struct Outside {
     /// Material of the medium.
-    material: Material,
+    pub(crate) material: Material,
     /// Length in the logarithm of the kernel.
-    length: f64,
+    pub(crate) length: f64,
     /// S_e.
     stiffness: Mat<f64>,
     /// The map from ξ to σ(u_c)n.
-    traction_map: TractionMap,
+    pub(crate) traction_map: TractionMap,
     /// u0 at the nodes, interleaved.
     jump: Vec<f64>,
     /// S_e u0.
@@ -67,14 +67,15 @@ impl Outside {
         Ok(Some(Self { material, length, stiffness, traction_map, jump, load }))
     }
 
-    /// The blocks that S₊ of the enriched spaces needs besides.
+    /// The blocks that S₊ of the enriched spaces needs besides, and what `tractions` need where they are wanted.
     pub(crate) fn enriched(
         &self,
         mesh: &Mesh,
         space: &Space,
         cache: &mut PairCache,
+        tractions: bool,
     ) -> Result<EnrichedSteklov, BemError> {
-        EnrichedSteklov::new(mesh, space, &self.material, self.length, &self.traction_map, cache, false)
+        EnrichedSteklov::new(mesh, space, &self.material, self.length, &self.traction_map, cache, tractions)
     }
 
     /// Adds S_e to the matrix of the body.
@@ -165,6 +166,29 @@ impl OnMesh<'_> {
             }
         }
         Ok(found)
+    }
+
+    /// The coefficients of the bubbles in the jump of the displacement less its interpolant, two for each element.
+    pub(crate) fn missed_of_jump(&self) -> Result<Vec<f64>, SolveError> {
+        let mut missed = vec![0.0; 2 * self.mesh.len()];
+        let Some(around) = self.scene.surroundings() else { return Ok(missed) };
+        let mut add = |e: usize, i: usize, datum: &Datum<'_>| -> Result<(), SolveError> {
+            missed[2 * e + i] += steklov_contact::missed(self.mesh, self.space, e, datum)?;
+            Ok(())
+        };
+        for (i, jump) in displacement_jump(self.scene).enumerate().filter(|(_, jump)| jump.constant().is_none()) {
+            let function = self.function(jump);
+            for e in 0..self.mesh.len() {
+                add(e, i % 2, &function.datum("displacement jump"))?;
+            }
+        }
+        // nodes have a linear displacement except on curves; that of the remote stress is the medium's
+        let remote = around.remote();
+        for (e, i) in (0..self.mesh.len()).filter(|&e| !self.mesh.is_line(e)).flat_map(|e| [(e, 0), (e, 1)]) {
+            let value = |site: &Site| remote.displacement(site.point)[i];
+            add(e, i, &Datum { name: "remote displacement", value: &value, kinks: &|_| Vec::new(), rounding: None })?;
+        }
+        Ok(missed)
     }
 
     /// ∮ φ·(u0 - I_p u0): the first-order gain of J from the part of the jump that the nodes miss.

@@ -39,7 +39,8 @@ pub struct Around {
 impl Around {
     /// The medium of a solved transmission problem; `length` is L in log(L/r).
     pub fn new(medium: Surroundings<'_>, mesh: Mesh, space: Space, length: f64, coupled: &Coupled) -> Self {
-        let field = MediumField::new(&mesh, &space, &medium.material, length, coupled);
+        let of = (&coupled.exterior_displacement[..], &coupled.traction[..], coupled.constant);
+        let field = MediumField::new(&mesh, &space, &medium.material, length, of);
         Self {
             mesh,
             space,
@@ -93,7 +94,8 @@ impl Around {
         (displacement, [0, 1, 2].map(|k| (stress[k] + other[k]) / 2.0))
     }
 
-    fn with_remote(&self, x: [f64; 2], u: [f64; 2], stress: [f64; 3]) -> ([f64; 2], [f64; 3]) {
+    /// A displacement and a stress at a point, with the remote ones.
+    pub(crate) fn with_remote(&self, x: [f64; 2], u: [f64; 2], stress: [f64; 3]) -> ([f64; 2], [f64; 3]) {
         let remote = self.remote.displacement(x);
         ([0, 1].map(|i| u[i] + remote[i]), [0, 1, 2].map(|k| stress[k] + self.remote_stress[k]))
     }
