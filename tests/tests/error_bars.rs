@@ -245,6 +245,33 @@ fn numbers_of_inclusions_are_inside_their_bars() {
     }
 }
 
+/// A bump of the floor that is much narrower than the first elements, beside a block that is pressed uniformly: meshes that miss it reach
+/// coarse tolerances, and tell numbers in doubt until they see it.
+#[test]
+fn numbers_of_data_between_nodes_are_in_doubt() {
+    for (width, exact) in [(0.004, 115.22), (0.01, 70.09), (0.02, 55.03)] {
+        let text = format!(
+            "body = {{ corners = [[0, 0], [1, 0], [1, 1], [0, 1]], sides = [\"floor\", \"right\", \"top\", \"left\"] }}
+             material = {{ young = 1000, poisson = 0.25 }}
+             sides.floor.contact = {{ gap = \"-0.0005*exp(-((x - 0.437)/{width})^2)\" }}
+             sides.top.pressure = 40
+             sides.left.displacement = [0, \"free\"]
+             sides.right.displacement = [0, \"free\"]\n"
+        );
+        let mut told = 0;
+        for tolerance in ["3e-1", "3e-2", "1e-2", "1e-4", "1e-5"] {
+            let settings = format!("method.tolerance={tolerance}");
+            let summary = solved(&parse(&text, &[&settings]).unwrap_or_else(|e| panic!("{}", e.render())));
+            let Quantity { value, uncertainty, doubts, .. } = quantity(&summary, "contact.max_pressure");
+            let error = (value - exact).abs() - 0.01;
+            println!("{width} {tolerance}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
+            told += usize::from(doubts.is_empty());
+            assert!(error <= 3.0 * uncertainty || doubts.contains(&"data".to_owned()), "{width} at {tolerance}");
+        }
+        assert!(told > 0, "{width}: all in doubt");
+    }
+}
+
 /// Of a medium whose displacement is bounded at infinity no bars of points are known, and none are told.
 #[test]
 fn unknown_bars_are_not_told() {

@@ -13,7 +13,8 @@
 //! the largest one of its vector or tensor or more. The value of a pressure at a point is J₊, as tractions gain most of the enriched spaces.
 //! Of a single mesh, and of an exact solution, which has no step before it, the uncertainty is max(5 |J₊ - J|, s). At corners and between sides J₊
 //! removes less of the error: there stresses, and displacements where the stress is infinite, have three times the uncertainty, and the doubt
-//! `coarse`; pressures within one element of an end of contact have the doubt `transition`.
+//! `coarse`; pressures within one element of an end of contact have the doubt `transition`. Where gaps, held displacements and jumps that vary
+//! between the nodes make a quarter of the squared error or more, all have the doubt `data`: the enriched spaces miss these too.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -29,7 +30,7 @@ use crate::answer::singular_points::singular_points;
 use crate::answer::wedges::is_straight;
 use crate::contact_length::extracts_ends;
 use crate::doubt::Doubt;
-use crate::estimate::error_estimate::{Bubble, Estimate};
+use crate::estimate::error_estimate::{Bubble, Estimate, ROUNDOFF, UNRESOLVED};
 use crate::grid::{GridQuantity, GridSolved};
 use crate::named::components;
 use crate::reacting::{shared, works_alone};
@@ -233,6 +234,8 @@ pub struct Bars {
     sizes: [f64; 4],
     /// ½ Σ |η_e| of J, of an estimate without doubts, above rounding errors, where J is stationary.
     of_energy: Option<f64>,
+    /// Whether gaps, held displacements and jumps between the nodes make a good part of the error: the enriched spaces miss them too.
+    of_data: bool,
     /// On a grid the parts of each uncertainty: that of the fine grid and that of its coarse cells.
     parts: Vec<[f64; 2]>,
     /// On a grid the parts of the uncertainty of J.
@@ -297,7 +300,9 @@ impl Bars {
         let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
         let is_plain = last.doubts.is_empty() && last.relative > ENERGY_ROUNDED && !coulomb;
         let of_energy = is_plain.then(|| OF_WEIGHTED * weighted_energy(last));
-        let mut all = Self { entries, values, sizes, of_energy, rounded: ROUNDED, ..Self::default() };
+        let oscillation: f64 = last.indicators.iter().chain(&last.of_cuts).map(|bubble| bubble.oscillation).sum();
+        let of_data = last.relative > ROUNDOFF && oscillation > UNRESOLVED * last.error * last.error;
+        let mut all = Self { entries, values, sizes, of_energy, of_data, rounded: ROUNDED, ..Self::default() };
         for k in 0..all.values.len() {
             all.values[k][1] = all.values[k][1].max(all.rounding(k));
         }
@@ -347,6 +352,7 @@ impl Bars {
             values,
             sizes: sizes(scene, scale),
             of_energy: None,
+            of_data: false,
             parts,
             parts_of_energy,
             at_jumps,
@@ -494,6 +500,9 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         if let Some(parts) = all.parts.get(k) {
             quantity.parts = of_parts(parts);
         }
+        if all.of_data {
+            doubt(&mut quantity, Doubt::Data);
+        }
         match entry.of {
             Of::Peak => {
                 if !(told.has_peak && value.is_finite() && uncertainty.is_finite()) {
@@ -501,7 +510,9 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                 }
             }
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {
-                Some([length, of_vertices]) => quantity = with(length, uncertainty + of_vertices),
+                Some([length, of_vertices]) => {
+                    (quantity.value, quantity.uncertainty) = (length, uncertainty + of_vertices);
+                }
                 None => continue,
             },
             Of::Point(point) => {

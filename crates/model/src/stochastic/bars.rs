@@ -18,6 +18,9 @@ use crate::quantities::{Quantities, Quantity};
 /// Standard errors within which a mean of samples is told.
 const STANDARD_ERRORS: f64 = 2.0;
 
+/// Rounding errors of a mean.
+const ROUNDED: f64 = 1e-11;
+
 /// The means of the quantities whose bars for the mesh alone are known, by their paths in the JSON object.
 pub(crate) fn with_bars(scene: &Scene, result: &StochasticResult, of_mesh: &Quantities) -> Quantities {
     let told = |quantity: &OfOutcomes| {
@@ -42,6 +45,10 @@ fn of_mean(quantity: &OfOutcomes, of_mesh: &[&Quantity], is_doubtful: bool) -> Q
         let whole = BTreeMap::from([("mesh".to_owned(), own.uncertainty)]);
         let of_mesh = if own.parts.is_empty() { &whole } else { &own.parts };
         of_mesh.iter().for_each(|(name, part)| *parts.entry(name.clone()).or_default() += part);
+    }
+    // sums of outcomes are rounded
+    for name in ["mesh", "fine_grid"] {
+        parts.entry(name.to_owned()).and_modify(|part| *part = part.max(ROUNDED * quantity.mean.abs()));
     }
     Quantity { value: quantity.mean, uncertainty: parts.values().sum(), doubts, parts }
 }
