@@ -13,8 +13,9 @@
 //! the largest one of its vector or tensor or more. The value of a pressure at a point is J₊, as tractions gain most of the enriched spaces.
 //! Of a single mesh, and of an exact solution, which has no step before it, the uncertainty is max(5 |J₊ - J|, s). At corners and between sides J₊
 //! removes less of the error: there stresses, and displacements where the stress is infinite, have three times the uncertainty, and the doubt
-//! `coarse`; pressures within one element of an end of contact have the doubt `transition`. Where gaps, held displacements and jumps that vary
-//! between the nodes make a quarter of the squared error or more, all have the doubt `data`: the enriched spaces miss these too.
+//! `coarse`; pressures within one element of an end of contact have the doubt `transition`. Where a body has contact
+//! and data that vary between the nodes make a quarter of the squared error or more, all have the doubt `data`: the enriched spaces miss the
+//! most of a narrow gap, though not of a smooth one.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -234,8 +235,8 @@ pub struct Bars {
     sizes: [f64; 4],
     /// ½ Σ |η_e| of J, of an estimate without doubts, above rounding errors, where J is stationary.
     of_energy: Option<f64>,
-    /// Whether gaps, held displacements and jumps between the nodes make a good part of the error: the enriched spaces miss them too.
-    of_data: bool,
+    /// Whether data between the nodes, with contact those of its gaps, make a good part of the error: the enriched spaces miss them too.
+    of_gaps: bool,
     /// On a grid the parts of each uncertainty: that of the fine grid and that of its coarse cells.
     parts: Vec<[f64; 2]>,
     /// On a grid the parts of the uncertainty of J.
@@ -301,8 +302,9 @@ impl Bars {
         let is_plain = last.doubts.is_empty() && last.relative > ENERGY_ROUNDED && !coulomb;
         let of_energy = is_plain.then(|| OF_WEIGHTED * weighted_energy(last));
         let oscillation: f64 = last.indicators.iter().chain(&last.of_cuts).map(|bubble| bubble.oscillation).sum();
-        let of_data = last.relative > ROUNDOFF && oscillation > UNRESOLVED * last.error * last.error;
-        let mut all = Self { entries, values, sizes, of_energy, of_data, rounded: ROUNDED, ..Self::default() };
+        let of_gaps =
+            has_contact(scene) && last.relative > ROUNDOFF && oscillation > UNRESOLVED * last.error * last.error;
+        let mut all = Self { entries, values, sizes, of_energy, of_gaps, rounded: ROUNDED, ..Self::default() };
         for k in 0..all.values.len() {
             all.values[k][1] = all.values[k][1].max(all.rounding(k));
         }
@@ -352,7 +354,7 @@ impl Bars {
             values,
             sizes: sizes(scene, scale),
             of_energy: None,
-            of_data: false,
+            of_gaps: false,
             parts,
             parts_of_energy,
             at_jumps,
@@ -500,7 +502,7 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         if let Some(parts) = all.parts.get(k) {
             quantity.parts = of_parts(parts);
         }
-        if all.of_data {
+        if all.of_gaps {
             doubt(&mut quantity, Doubt::Data);
         }
         match entry.of {
