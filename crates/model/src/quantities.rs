@@ -464,8 +464,8 @@ pub(crate) struct Told<'a> {
     pub named: &'a Named,
     /// Which of them are near an end of contact.
     pub near: &'a [bool],
-    /// Whether the largest pressure of contact is not zero, and no stress on a side in contact infinite.
-    pub has_peak: bool,
+    /// The largest pressure of a node, if it is not zero and no stress on a side in contact infinite.
+    pub peak: Option<f64>,
     /// The length of contact, and what misplaced vertices add to its uncertainty.
     pub length: Option<[f64; 2]>,
     /// The contact table.
@@ -507,8 +507,12 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         }
         match entry.of {
             Of::Peak => {
-                if !(told.has_peak && value.is_finite() && uncertainty.is_finite()) {
+                let Some(at_node) = told.peak.filter(|_| value.is_finite() && uncertainty.is_finite()) else {
                     continue;
+                };
+                // an exact pressure has more digits at nodes than as a traction
+                if (value - at_node).abs() <= SMALL * all.rounding(k) {
+                    quantity.value = at_node;
                 }
             }
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {

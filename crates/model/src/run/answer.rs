@@ -78,10 +78,9 @@ pub fn answer<M: Model>(
     let by_ends = contact_in_numbers.as_ref().filter(|told| told.ends.is_some());
     let length = by_ends.zip(off).map(|(told, off)| [told.length, off]);
     let is_pressed = |told: &ContactSummary| told.max_pressure > 0.0 && !told.max_pressure_unbounded;
-    let has_peak = !is_beside && contact_in_numbers.as_ref().is_some_and(is_pressed);
+    let peak = contact_in_numbers.as_ref().filter(|told| !is_beside && is_pressed(told)).map(|told| told.max_pressure);
     let energy = (energies.total, report.energy);
-    let told =
-        Told { energy, probes: &probe, named: &named, near: &report.near, length, rows, has_peak, doubts: &doubts };
+    let told = Told { energy, probes: &probe, named: &named, near: &report.near, length, rows, peak, doubts: &doubts };
     let mut of_means = Quantities::new();
     if let (Some(result), Some(OfMeans { bars, energy })) = (outcomes, &report.over_outcomes) {
         let told = Told { energy: (0.0, *energy), length: None, ..told };
