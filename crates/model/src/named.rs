@@ -29,6 +29,8 @@ const OF_WEIGHTS: usize = 48;
 /// Points at which the largest pressure on an element is looked for, for each degree, and steps that leave two thirds of an interval.
 const SAMPLES: usize = 2;
 const THIRDS: usize = 24;
+/// Part of the largest pressure of these points from which on an element may have a larger one.
+const OF_LARGEST: f64 = 0.5;
 
 /// A pressure, and the edge and its parameter where it is.
 type Pressed = (f64, (usize, f64));
@@ -71,23 +73,32 @@ impl OnMesh<'_> {
         let touching = (0..self.mesh.len()).filter(|&e| self.scene.contact(self.mesh.side[e]).is_some());
         let at = |e: usize, t: f64| {
             let [a, b] = self.mesh.span[e];
-            let place = (self.mesh.edge[e], a + (b - a) * (1.0 + t) / 2.0);
-            (self.pressure_on(field, place), place)
+            let s = a + (b - a) * (1.0 + t) / 2.0;
+            let place = (self.mesh.edge[e], s);
+            let is_vertex = (s - a).abs().min((s - b).abs()) <= SAME_PLACE;
+            let inside = || -dot(field.traction(e, t), self.mesh.normal(e, t));
+            (if is_vertex { self.pressure_on(field, place) } else { inside() }, place)
         };
         let larger = |a: &Pressed, b: &Pressed| a.0.total_cmp(&b.0);
-        let of = |e: usize| {
-            // the pressure is a polynomial of the degree of the element
-            let parts = SAMPLES * (self.space.degree(e) + 1);
-            let point = |k: usize| -(k as f64 * PI / parts as f64).cos();
-            let best = (0..=parts).max_by(|&a, &b| at(e, point(a)).0.total_cmp(&at(e, point(b)).0))?;
-            let (mut low, mut high) = (point(best.saturating_sub(1)), point((best + 1).min(parts)));
+        // the pressure is a polynomial of the degree of the element
+        let parts = |e: usize| SAMPLES * (self.space.degree(e) + 1);
+        let point = |e: usize, k: usize| -(k as f64 * PI / parts(e) as f64).cos();
+        let sampled = |e: usize| {
+            let all = (0..=parts(e)).map(|k| (at(e, point(e, k)), k));
+            all.max_by(|(a, _), (b, _)| larger(a, b)).map(|(best, k)| (best, e, k))
+        };
+        let samples: Vec<(Pressed, usize, usize)> = touching.filter_map(sampled).collect();
+        let largest = samples.iter().fold(0.0, |most: f64, ((pressure, _), ..)| most.max(*pressure));
+        let refined = |&(best, e, k): &(Pressed, usize, usize)| {
+            let (mut low, mut high) = (point(e, k.saturating_sub(1)), point(e, (k + 1).min(parts(e))));
             for _ in 0..THIRDS {
                 let [a, b] = [1.0, 2.0].map(|k| low + k * (high - low) / 3.0);
                 if at(e, a).0 < at(e, b).0 { low = a } else { high = b }
             }
-            [at(e, point(best)), at(e, (low + high) / 2.0)].into_iter().max_by(larger)
+            [best, at(e, (low + high) / 2.0)].into_iter().max_by(larger)
         };
-        touching.filter_map(of).max_by(larger).filter(|(pressure, _)| *pressure > 0.0).map(|(_, place)| place)
+        let near = samples.iter().filter(|((pressure, _), ..)| *pressure > OF_LARGEST * largest);
+        near.filter_map(refined).max_by(larger).filter(|(pressure, _)| *pressure > 0.0).map(|(_, place)| place)
     }
 
     /// A number at the edge parameter s of an edge; between two of its elements the mean of both.

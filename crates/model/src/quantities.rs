@@ -102,12 +102,11 @@ const OF_POINT: [&str; 8] = [
     "min_principal",
 ];
 
+/// Displacement and stress at a point.
+pub(crate) type At<'a> = dyn Fn([f64; 2]) -> ([f64; 2], [f64; 3]) + 'a;
+
 /// Displacement, stress and its invariants at the points of a scene, of a field and that of a medium around a body, if there is one.
-pub(crate) fn at_points(
-    scene: &Scene,
-    field: &ElasticField<'_>,
-    medium: Option<&dyn Fn([f64; 2]) -> ([f64; 2], [f64; 3])>,
-) -> Vec<f64> {
+pub(crate) fn at_points(scene: &Scene, field: &ElasticField<'_>, medium: Option<&At<'_>>) -> Vec<f64> {
     let outline = &scene.problem.outline;
     let at = |x: [f64; 2]| match (outline.contains(x), medium) {
         (Location::Boundary { edge, s }, _) => field.on_edge(edge, s),

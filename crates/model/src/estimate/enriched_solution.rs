@@ -25,7 +25,7 @@ use crate::estimate::dual::Duals;
 use crate::estimate::elastic::Elastic;
 use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame};
 use crate::estimate::functionals::has_duals;
-use crate::quantities::{self, EstimatedQuantity};
+use crate::quantities::{self, At, EstimatedQuantity};
 use crate::reacting::reacting;
 use crate::solve::body::{Body, Factors};
 use crate::solve::fields::{ElasticField, Field};
@@ -115,9 +115,6 @@ pub(crate) fn both(
     });
     Ok((all.collect(), ends))
 }
-
-/// Displacement and stress at a point.
-type At<'a> = dyn Fn([f64; 2]) -> ([f64; 2], [f64; 3]) + 'a;
 
 /// Whether quantities are asked for; of media those whose displacement decays have them.
 fn is_known(scene: &Scene, solved: &Solved) -> bool {
