@@ -25,6 +25,7 @@
 //! ```
 
 pub mod answer;
+pub mod bars;
 mod contact_length;
 pub mod data;
 pub mod doubt;

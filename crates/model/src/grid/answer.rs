@@ -8,7 +8,7 @@ use super::error_parts::{FAILING, GridEstimate};
 use super::solution::GridSolved;
 use super::trace::{GridTrace, node_at};
 use crate::answer::probes;
-use crate::quantities::Bars;
+use crate::bars::Bars;
 use crate::run::report::{OfMeans, Report};
 use crate::solve::medium::Around;
 use crate::summary::{GridSummary, Probe, SideProbe};

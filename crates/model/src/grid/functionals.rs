@@ -83,7 +83,7 @@ impl Number {
 }
 
 impl<'a> GridFunctionals<'a> {
-    /// Those of a solution, in the order of [`quantities::Bars`]: points, forces of supports, named numbers.
+    /// Those of a solution, in the order of [`crate::bars::Bars`]: points, forces of supports, named numbers.
     pub fn new(scene: &'a Scene, solved: &GridSolved, fine: &GridTrace) -> Self {
         let mut this = Self { functionals: Vec::new(), numbers: Vec::new() };
         for &x in &scene.probe {

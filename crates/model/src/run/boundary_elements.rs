@@ -9,13 +9,14 @@ use steklov_contact::{Located, Tip};
 use steklov_problem::{Refine, Scene, Spot};
 
 use crate::answer::probes;
+use crate::bars::Bars;
 use crate::doubt::Doubt;
 use crate::error::SolveError;
 use crate::estimate::elastic::EnrichedBody;
 use crate::estimate::error_estimate::{Estimate, ROUNDOFF, estimate, is_estimated};
 use crate::estimate::penetration::Unseen;
 use crate::mesh::layout::{Layout, MeshedCuts};
-use crate::quantities::{Bars, needs_tractions};
+use crate::quantities::needs_tractions;
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, run, seconds_of};
 use crate::run::boundary_report;
 use crate::run::memory::{Lack, lack};

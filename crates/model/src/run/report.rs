@@ -2,10 +2,10 @@
 
 use steklov_contact::Located;
 
+use crate::bars::Bars;
 use crate::doubt::Doubt;
 use crate::energies::Energies;
 use crate::estimators::Estimators;
-use crate::quantities::Bars;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::Trace;
 use crate::solve::medium::Around;

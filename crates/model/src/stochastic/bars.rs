@@ -3,9 +3,9 @@
 //! ```text
 //! uncertainty = mesh + truncation + sampling,      sampling = 2 (standard error)
 //! ```
-//! `mesh` is the bar of the quantity in the mean over a few outcomes, see [`crate::quantities`]: of boundary elements J₊ - J_h with its sign and
-//! the dual weighted residuals are averaged; on a grid the bars themselves, with `fine_grid` and `multiscale` for `mesh`. `truncation` is what polynomials of the germs, or the samples taken, do not see. What the modes of a random field
-//! leave out of it is in none of them.
+//! `mesh` is the bar of the quantity in the mean over a few outcomes, see [`crate::bars`]: of boundary elements J₊ - J_h with its sign and
+//! the dual weighted residuals are averaged; on a grid the bars themselves, with `fine_grid` and `multiscale` for `mesh`. `truncation` is what
+//! polynomials of the germs, or the samples taken, do not see. What the modes of a random field leave out of it is in none of them.
 
 use std::collections::BTreeMap;
 

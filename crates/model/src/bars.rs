@@ -1,0 +1,308 @@
+//! The error bars of the values of a run.
+//!
+//! With J_k the value of step k, J₊ that of the enriched spaces at the same contact sets, and E the estimate in the energy norm,
+//! ```text
+//! s = Σ_e |η_e|                                       dual weighted residuals, see `estimate/dual.rs`
+//! d_k = max(|J₊ - J_k|, s/2),   uncertainty = 1.2 max(d_k, d_{k-1} q) + Σ |δJ| of ends of contact,      q = min(1, (E_k / E_{k-1})²)
+//! ```
+//! but not more than what serves without a dual problem, in doubt, and for the first two steps:
+//! ```text
+//! uncertainty = 1.2 max(d_k, d_{k-1} q) + 0.3 |J_k - J_{k-1}|,      d_k = |J₊ - J_k|
+//! ```
+//! |J₊ - J_k| crosses zero by accident, hardly twice in a row and hardly in all components: without a dual that of a component is a quarter of
+//! the largest one of its vector or tensor or more. The value of a pressure at a point is J₊, as tractions gain most of the enriched spaces.
+//! Of a single mesh, and of an exact solution, which has no step before it, the uncertainty is max(5 |J₊ - J|, s). At corners and between sides J₊
+//! removes less of the error: there stresses, and displacements where the stress is infinite, have three times the uncertainty, and the doubt
+//! `coarse`; pressures within one element of an end of contact have the doubt `transition`. Where a body has contact
+//! and data that vary between the nodes make a quarter of the squared error or more, all have the doubt `data`: the enriched spaces miss the
+//! most of a narrow gap, though not of a smooth one.
+
+use std::ops::Range;
+
+use steklov_problem::{Indicator, NamedQuantity, QuantityKind, Scene};
+
+use crate::answer::singular_points::singular_points;
+use crate::contact_length::extracts_ends;
+use crate::estimate::error_estimate::{Bubble, Estimate, ROUNDOFF, UNRESOLVED};
+use crate::grid::{GridQuantity, GridSolved};
+use crate::named::components;
+use crate::quantities::{EstimatedQuantity, OF_POINT, forces, has_contact};
+
+/// How far the exact value may be, over the part that the enriched spaces see.
+pub(crate) const OF_DIFFERENCE: f64 = 1.2;
+/// The same over the change since the step before.
+const OF_CHANGE: f64 = 0.3;
+/// How far the exact value may be, over the part that the enriched spaces see, without a step before.
+const OF_SINGLE: f64 = 5.0;
+/// The part of Σ |η_e| that a difference has at least.
+const OF_WEIGHTED: f64 = 0.5;
+/// Steps before the one whose dual problems are trusted: the first ones see little of crack tips and corners.
+const LEAST_BEFORE: usize = 2;
+/// Least part of the other components' differences that a component has without a dual problem.
+const OF_OTHERS: f64 = 0.25;
+/// Relative errors of the energy norm that are rounding.
+const EXACT: f64 = 1e-10;
+/// Relative errors of the energy norm whose squares may be rounding errors of J.
+const ENERGY_ROUNDED: f64 = 1e-5;
+/// Rounding errors of a value, over the largest of its kind.
+const ROUNDED: f64 = 1e-11;
+
+/// What a value is, which tells the values that it rounds with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Kind {
+    Displacement,
+    Stress,
+    Force,
+    Moment,
+}
+
+/// Where a value stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Of {
+    /// A point of `[probe]`.
+    Point(usize),
+    /// The force of a side.
+    Force(usize),
+    /// One of the named quantities.
+    Named(usize),
+    /// The largest pressure of contact.
+    Peak,
+    /// The length of contact.
+    Length,
+}
+
+/// A value by its path.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Entry {
+    pub(crate) path: String,
+    pub(crate) kind: Kind,
+    pub(crate) of: Of,
+    /// The components of its vector or tensor.
+    pub(crate) group: Range<usize>,
+}
+
+/// The values of [`Estimate::quantities`] in their order: those at points, the forces of sides, the named quantities.
+fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut add = |of: Of, kind: Kind, paths: Vec<String>| {
+        let group = entries.len()..entries.len() + paths.len();
+        entries.extend(paths.into_iter().map(|path| Entry { path, kind, of, group: group.clone() }));
+    };
+    for point in 0..scene.probe.len() {
+        let paths = |of: Range<usize>| OF_POINT[of].iter().map(|name| format!("probe.{point}.{name}")).collect();
+        add(Of::Point(point), Kind::Displacement, paths(0..2));
+        add(Of::Point(point), Kind::Stress, paths(2..5));
+        add(Of::Point(point), Kind::Stress, paths(5..6));
+        add(Of::Point(point), Kind::Stress, paths(6..OF_POINT.len()));
+    }
+    for (_, side) in forces(scene, reactions) {
+        let name = &scene.problem.sides[side].name;
+        add(Of::Force(side), Kind::Force, ["x", "y"].map(|i| format!("reactions.{name}.{i}")).to_vec());
+    }
+    for (k, NamedQuantity { name, kind }) in scene.quantities.iter().enumerate() {
+        let path = format!("{}.{name}", kind.group());
+        let sort = match kind {
+            QuantityKind::PressureAt(_) => Kind::Stress,
+            QuantityKind::Moment { .. } => Kind::Moment,
+            QuantityKind::WeightedForce { .. } => Kind::Force,
+            QuantityKind::MeanDisplacement(_) | QuantityKind::OpeningAt(_) => Kind::Displacement,
+        };
+        let paths = if components(kind) == 2 { ["x", "y"].map(|i| format!("{path}.{i}")).to_vec() } else { vec![path] };
+        add(Of::Named(k), sort, paths);
+    }
+    if has_contact(scene) {
+        add(Of::Peak, Kind::Stress, vec!["contact.max_pressure".to_owned()]);
+    }
+    if extracts_ends(scene) {
+        add(Of::Length, Kind::Displacement, vec!["contact.length".to_owned()]);
+    }
+    entries
+}
+
+/// Values with their error bars.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Bars {
+    pub(crate) entries: Vec<Entry>,
+    /// Value and uncertainty.
+    pub(crate) values: Vec<[f64; 2]>,
+    /// Displacement, stress, force and moment of the size of the solution.
+    pub(crate) sizes: [f64; 4],
+    /// ½ Σ |η_e| of J, of an estimate without doubts, above rounding errors, where J is stationary.
+    pub(crate) of_energy: Option<f64>,
+    /// Whether data between the nodes, with contact those of its gaps, make a good part of the error: the enriched spaces miss them too.
+    pub(crate) of_gaps: bool,
+    /// On a grid the parts of each uncertainty: that of the fine grid and that of its coarse cells.
+    pub(crate) parts: Vec<[f64; 2]>,
+    /// On a grid the parts of the uncertainty of J.
+    pub(crate) parts_of_energy: Option<[f64; 2]>,
+    /// On a grid the points at which moduli jump, and those beside singular points.
+    pub(crate) at_jumps: Vec<usize>,
+    pub(crate) near_singular: Vec<usize>,
+    /// Rounding errors of a value, over the largest of its kind.
+    pub(crate) rounded: f64,
+}
+
+/// The names of the parts on a grid.
+pub(crate) const ON_GRID: [&str; 2] = ["fine_grid", "multiscale"];
+
+impl Bars {
+    /// The values of the last of these steps.
+    pub(crate) fn new(scene: &Scene, reactions: &[(String, [f64; 2])], estimates: &[&Estimate]) -> Self {
+        let Some((last, before)) = estimates.split_last() else { return Self::default() };
+        let entries = entries(scene, reactions);
+        if last.quantities.len() != entries.len() {
+            // of an altered file, or without any
+            return Self::default();
+        }
+        // what was before an exact solution says nothing about it
+        let is_early = before.len() < LEAST_BEFORE;
+        let before = before.last().filter(|before| before.quantities.len() == last.quantities.len());
+        let before = before.filter(|_| last.relative > EXACT);
+        let difference = |q: &EstimatedQuantity| (q.enriched - q.value).abs();
+        let seen = |estimate: &Estimate, k: usize| {
+            let own = difference(&estimate.quantities[k]);
+            let group = estimate.quantities[entries[k].group.clone()].iter().map(difference);
+            // what nothing bears is zero, and not by accident
+            if own == 0.0 { 0.0 } else { own.max(OF_OTHERS * group.fold(0.0, f64::max)) }
+        };
+        let weighted = |quantity: &EstimatedQuantity| {
+            quantity.weighted.map(|[sum, of_ends]| (difference(quantity).max(OF_WEIGHTED * sum), of_ends))
+        };
+        let of = |(k, quantity): (usize, &EstimatedQuantity)| {
+            let &EstimatedQuantity { value, enriched, .. } = quantity;
+            let before = before.map(|before| (before, &before.quantities[k])).filter(|(_, q)| q.value.is_finite());
+            let uncertainty = match before {
+                Some((before, of_before)) => {
+                    let fallen = if before.error > 0.0 { (last.error / before.error).powi(2).min(1.0) } else { 1.0 };
+                    let change = (value - of_before.value).abs();
+                    let d = seen(last, k).max(fallen * seen(before, k));
+                    let wide = OF_DIFFERENCE * d + OF_CHANGE * change;
+                    match weighted(quantity).filter(|_| last.doubts.is_empty() && !is_early) {
+                        Some((d, of_ends)) => {
+                            let d = d.max(fallen * weighted(of_before).map_or(0.0, |(d, _)| d));
+                            wide.min(OF_DIFFERENCE * d + of_ends)
+                        }
+                        None => wide,
+                    }
+                }
+                None => (OF_SINGLE * seen(last, k)).max(quantity.weighted.map_or(0.0, |[sum, _]| sum)),
+            };
+            let is_pressure = matches!(entries[k], Entry { of: Of::Named(_) | Of::Peak, kind: Kind::Stress, .. });
+            [if is_pressure { enriched } else { value }, uncertainty]
+        };
+        let values = last.quantities.iter().enumerate().map(of).collect();
+        let sizes = sizes(scene, last.scale);
+        let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
+        let is_plain = last.doubts.is_empty() && last.relative > ENERGY_ROUNDED && !coulomb;
+        let of_energy = is_plain.then(|| OF_WEIGHTED * weighted_energy(last));
+        let oscillation: f64 = last.indicators.iter().chain(&last.of_cuts).map(|bubble| bubble.oscillation).sum();
+        let of_gaps =
+            has_contact(scene) && last.relative > ROUNDOFF && oscillation > UNRESOLVED * last.error * last.error;
+        let mut all = Self { entries, values, sizes, of_energy, of_gaps, rounded: ROUNDED, ..Self::default() };
+        for k in 0..all.values.len() {
+            all.values[k][1] = all.values[k][1].max(all.rounding(k));
+        }
+        all
+    }
+
+    /// The values of the last of these steps, with the differences of the enriched spaces in the mean over outcomes.
+    pub(crate) fn over_outcomes(
+        scene: &Scene,
+        reactions: &[(String, [f64; 2])],
+        estimates: &[&Estimate],
+        mean: &[EstimatedQuantity],
+    ) -> Self {
+        let Some((last, before)) = estimates.split_last().filter(|(last, _)| last.quantities.len() == mean.len())
+        else {
+            return Self::default();
+        };
+        let with = |(own, mean): (&EstimatedQuantity, &EstimatedQuantity)| {
+            let enriched = own.value + (mean.enriched - mean.value);
+            EstimatedQuantity { value: own.value, enriched, weighted: mean.weighted }
+        };
+        let quantities = last.quantities.iter().zip(mean).map(with).collect();
+        let last = Estimate { quantities, ..(*last).clone() };
+        Self::new(scene, reactions, &[before, &[&last]].concat())
+    }
+
+    /// The values of a solution on a grid.
+    pub(crate) fn on_grid(scene: &Scene, solved: &GridSolved) -> Self {
+        let (quantities, entries) = (solved.quantities(scene), entries(scene, &solved.reactions));
+        let Some(estimate) = solved.estimate.as_ref().filter(|_| quantities.len() == entries.len()) else {
+            return Self::default();
+        };
+        let of = |own: &GridQuantity| [own.fine_grid, own.multiscale].map(|part| OF_DIFFERENCE * part);
+        let parts: Vec<[f64; 2]> = quantities.iter().map(of).collect();
+        let values = quantities.iter().zip(&parts).map(|(own, parts)| [own.value, parts.iter().sum()]).collect();
+        let scale = if estimate.relative > 0.0 { estimate.error / estimate.relative } else { 0.0 };
+        let parts_of_energy = solved.energy(scene).map(|energy| {
+            // what the estimate sees of loads that cells do not resolve as well
+            let fine = if scene.method.indicator == Indicator::Bubble { estimate.fine_grid / 2.0 } else { 0.0 };
+            [energy.fine_grid.max(fine), energy.multiscale].map(|part| OF_DIFFERENCE * part)
+        });
+        let at_jumps = solved.at_jumps(&scene.probe);
+        let near_singular = solved.near_singular(&scene.probe, &singular_points(scene, solved.trace().mesh, &[]));
+        let rounded = solved.digits().max(ROUNDED);
+        let mut all = Self {
+            entries,
+            values,
+            sizes: sizes(scene, scale),
+            of_energy: None,
+            of_gaps: false,
+            parts,
+            parts_of_energy,
+            at_jumps,
+            near_singular,
+            rounded,
+        };
+        for k in 0..all.values.len() {
+            all.values[k][1] = all.values[k][1].max(all.rounding(k));
+        }
+        all
+    }
+
+    /// The means of the bars of outcomes on a grid; none without any.
+    pub(crate) fn mean(of_outcomes: &[Self]) -> Option<Self> {
+        let (mut all, count) = (of_outcomes.first()?.clone(), of_outcomes.len() as f64);
+        if all.entries.is_empty() || of_outcomes.iter().any(|own| own.entries != all.entries) {
+            return None;
+        }
+        let mean = |of: &dyn Fn(&Self) -> f64| of_outcomes.iter().map(of).sum::<f64>() / count;
+        let pair = |of: &dyn Fn(&Self) -> [f64; 2]| [0, 1].map(|part| mean(&|own| of(own)[part]));
+        all.values = (0..all.values.len()).map(|k| pair(&|own| own.values[k])).collect();
+        all.parts = (0..all.parts.len()).map(|k| pair(&|own| own.parts[k])).collect();
+        let known = of_outcomes.iter().all(|own| own.parts_of_energy.is_some());
+        all.parts_of_energy = known.then(|| pair(&|own| own.parts_of_energy.unwrap_or_default()));
+        all.at_jumps = of_outcomes.iter().flat_map(|own| own.at_jumps.clone()).collect();
+        all.near_singular = of_outcomes.iter().flat_map(|own| own.near_singular.clone()).collect();
+        Some(all)
+    }
+
+    /// Rounding errors of a value.
+    pub(crate) fn rounding(&self, k: usize) -> f64 {
+        let own = self.entries[k].kind;
+        let of_kind = self.entries.iter().zip(&self.values).filter(|(entry, _)| entry.kind == own);
+        let sizes = of_kind.map(|(_, [value, _])| value.abs());
+        self.rounded * sizes.filter(|size| size.is_finite()).fold(self.sizes[own as usize], f64::max)
+    }
+
+    /// Gives the named quantities their values, which are those of the enriched spaces for some of them.
+    pub(crate) fn tell(&self, named: &mut [f64]) {
+        let own = self.entries.iter().zip(&self.values).filter(|(entry, _)| matches!(entry.of, Of::Named(_)));
+        named.iter_mut().zip(own).for_each(|(told, (_, [value, _]))| *told = *value);
+    }
+}
+
+/// Displacement, stress, force and moment of a solution with this energy norm.
+fn sizes(scene: &Scene, norm: f64) -> [f64; 4] {
+    // energy² E = force², energy² / E = length²
+    let modulus = scene.problem.bodies.iter().map(|body| body.material().young).fold(0.0, f64::max);
+    let (force, diameter) = (norm * modulus.sqrt(), scene.problem.outline.diameter());
+    [force / modulus, force / diameter, force, force * diameter]
+}
+
+/// Σ |η_e| of J, whose dual solution is u itself: the residuals of displacement and traction have opposite signs.
+fn weighted_energy(estimate: &Estimate) -> f64 {
+    let of = |bubble: &Bubble| 0.5 * ((bubble.displacement - bubble.traction).abs() + bubble.oscillation);
+    estimate.indicators.iter().chain(&estimate.of_cuts).map(of).sum()
+}
