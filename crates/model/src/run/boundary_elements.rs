@@ -182,14 +182,13 @@ impl Model for BoundaryElements {
         let mut over_outcomes = None;
         if let (Some(random), Some(enriched), Some(one)) = (&scene.random, &enriched, &mut estimate) {
             // the mean outcome is solved well enough: are the others?
-            let is_within = one.relative <= scene.method.tolerance();
-            if is_within || is_last(scene, progress.steps.len() + 1, &layout) {
+            if one.relative <= scene.method.tolerance() {
                 let (mean, numbers) = mean_estimate(scene, random, &body, enriched, one)?;
-                over_outcomes = Some(numbers);
-                if is_within {
-                    *one = mean;
-                    (layout, _) = next(Some(one))?;
-                }
+                (*one, over_outcomes) = (mean, Some(numbers));
+                (layout, _) = next(Some(one))?;
+            } else if is_last(scene, progress.steps.len() + 1, &layout) {
+                // without error bars the step is good too
+                over_outcomes = mean_estimate(scene, random, &body, enriched, one).ok().map(|(_, numbers)| numbers);
             }
         }
         solved.over_outcomes = over_outcomes;

@@ -12,7 +12,6 @@ use std::collections::BTreeMap;
 use steklov_problem::Scene;
 
 use super::result::{Quantity as OfOutcomes, StochasticResult};
-use crate::doubt::Doubt;
 use crate::quantities::{Quantities, Quantity};
 
 /// Standard errors within which a mean of samples is told.
@@ -27,14 +26,13 @@ pub(crate) fn with_bars(scene: &Scene, result: &StochasticResult, of_mesh: &Quan
         let parts: Option<Vec<&Quantity>> =
             sources(scene, &quantity.name).iter().map(|path| of_mesh.get(path)).collect();
         let known = parts.filter(|parts| !parts.is_empty() && quantity.mean.is_finite())?;
-        Some((format!("stochastic.{}.mean", quantity.name), of_mean(quantity, &known, result.is_doubtful())))
+        Some((format!("stochastic.{}.mean", quantity.name), of_mean(quantity, &known)))
     };
     result.quantities.iter().filter_map(told).collect()
 }
 
-fn of_mean(quantity: &OfOutcomes, of_mesh: &[&Quantity], is_doubtful: bool) -> Quantity {
+fn of_mean(quantity: &OfOutcomes, of_mesh: &[&Quantity]) -> Quantity {
     let mut doubts: Vec<String> = of_mesh.iter().flat_map(|quantity| quantity.doubts.clone()).collect();
-    doubts.extend(is_doubtful.then(|| Doubt::Outcomes.word().to_owned()));
     doubts.sort();
     doubts.dedup();
     let mut parts = BTreeMap::from([
