@@ -5,10 +5,13 @@
 //!
 //! None of them checks its result; [`llt`](crate::llt) and the functions `check_*` do.
 
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::linalg::solvers::{DenseSolveCore, Llt, PartialPivLu};
 use faer::prelude::*;
-use faer::{Mat, MatRef, Side, c64};
+use faer::{Mat, MatRef, Par, Side, c64};
 
 /// An iteration for eigenvalues or singular values that did not end: of a finite matrix it always has; entries are not
 /// finite, or the processor is wrong.
@@ -134,6 +137,25 @@ pub fn symmetric_eigen(a: MatRef<'_, f64>) -> Result<SymmetricEigen, NoSpectrum>
     let eigen = a.self_adjoint_eigen(Side::Lower).map_err(|_| NoSpectrum)?;
     let values = eigen.S().column_vector().iter().copied().collect();
     Ok(SymmetricEigen { values, vectors: eigen.U().to_owned() })
+}
+
+/// [`symmetric_eigen`] on one thread: the same bits for any number of them.
+///
+/// # Errors
+/// [`NoSpectrum`].
+///
+/// # Panics
+/// When A is not square.
+#[inline(never)]
+pub fn symmetric_eigen_on_one_thread(a: MatRef<'_, f64>) -> Result<SymmetricEigen, NoSpectrum> {
+    let n = a.nrows();
+    let (mut values, mut vectors) = (Diag::zeros(n), Mat::zeros(n, n));
+    let request = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
+    let mut memory = MemBuffer::new(request);
+    let stack = MemStack::new(&mut memory);
+    self_adjoint_evd(a, values.as_mut(), Some(vectors.as_mut()), Par::Seq, stack, Default::default())
+        .map_err(|_| NoSpectrum)?;
+    Ok(SymmetricEigen { values: values.column_vector().iter().copied().collect(), vectors })
 }
 
 /// Λ of [`symmetric_eigen`], ascending, without the vectors: 4 n³/3 operations.

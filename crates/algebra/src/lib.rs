@@ -52,7 +52,7 @@ pub use faer;
 pub use cholesky::{NoFactor, cholesky, llt};
 pub use decompositions::{
     Cholesky, Lu, NoSpectrum, Svd, SymmetricEigen, eigenvalues, least_squares, singular_values, solve_full_lu, svd,
-    symmetric_eigen, symmetric_eigenvalues,
+    symmetric_eigen, symmetric_eigen_on_one_thread, symmetric_eigenvalues,
 };
 pub use dense::{Image, PARTS, add_product, add_to_lower, parts, solve_lower, solve_lower_transposed};
 pub use dot::dot;

@@ -1,9 +1,8 @@
 //! Eigenpairs of symmetric matrices that commute with mirror images.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
-use faer::{Mat, Par, diag::Diag};
+use faer::Mat;
 use rayon::prelude::*;
+use steklov_algebra::symmetric_eigen_on_one_thread;
 
 use crate::StochasticError;
 
@@ -56,14 +55,9 @@ pub(crate) fn folded_spectrum(
     })
 }
 
-/// Eigenvalues and eigenvectors from the lower half, on one thread: the same bits for any number of them.
+/// Eigenvalues, ascending, and eigenvectors from the lower half, with the same bits for any number of threads.
 pub(crate) fn eigen(matrix: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), StochasticError> {
-    let size = matrix.nrows();
-    let (mut values, mut vectors) = (Diag::zeros(size), Mat::zeros(size, size));
-    let request = self_adjoint_evd_scratch::<f64>(size, ComputeEigenvectors::Yes, Par::Seq, Default::default());
-    let mut memory = MemBuffer::new(request);
-    let stack = MemStack::new(&mut memory);
-    self_adjoint_evd(matrix.as_ref(), values.as_mut(), Some(vectors.as_mut()), Par::Seq, stack, Default::default())
-        .map_err(|_| StochasticError::Decomposition { size })?;
-    Ok(((0..size).map(|i| values[i]).collect(), vectors))
+    let eigen = symmetric_eigen_on_one_thread(matrix.as_ref())
+        .map_err(|_| StochasticError::Decomposition { size: matrix.nrows() })?;
+    Ok((eigen.values, eigen.vectors))
 }
