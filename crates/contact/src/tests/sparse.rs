@@ -1,10 +1,9 @@
 //! Stiffnesses that are sums of blocks: subdomains with contact nodes of their own, each sharing a free node with the next one.
 
 use faer::Mat;
-use faer::linalg::solvers::DenseSolveCore;
 use proptest::collection::vec;
 use proptest::prelude::*;
-use steklov_algebra::{SparseSymmetric, Symmetric};
+use steklov_algebra::{Lu, SparseSymmetric, Symmetric};
 
 use super::oracle::distance;
 use crate::proptest::{Friction, mixed};
@@ -64,7 +63,7 @@ impl Ways {
 fn condensed(s: &Mat<f64>, load: &[f64], problem: &Problem) -> Problem {
     let (m, all) = (problem.load.len(), load.len());
     let coupling = s.submatrix(0, m, m, all - m);
-    let through = coupling * s.submatrix(m, m, all - m, all - m).partial_piv_lu().inverse();
+    let through = coupling * Lu::new(s.submatrix(m, m, all - m, all - m)).inverse();
     let rest = Mat::from_fn(all - m, 1, |i, _| load[m + i]);
     let (less, pull) = (&through * coupling.transpose(), &through * rest);
     Problem {
