@@ -121,6 +121,47 @@ fn forces_are_inside_their_bars() {
     assert!(100 * half >= 97 * count && 10 * inside >= 8 * count && 7 * wide <= count, "{told}");
 }
 
+/// Forces between two blocks that two walls hold, which no balance gives: judged by a much finer mesh. The walls have the same ones by
+/// balance, the carried side and all contact those of the interface.
+#[test]
+fn forces_between_bodies_are_inside_their_bars() {
+    let scene = |law: &str, tolerance: &str| {
+        let text = format!(
+            "[[body]]\nname = \"left\"\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"bottom\", \"right\", \"top\", \"wall\"]\n\
+             material = {{ young = 1, poisson = 0.3 }}\n\
+             [[body]]\nname = \"right\"\ncorners = [[1, 0.2], [2.5, 0], [2.5, 1], [1, 0.8]]\n\
+             sides = [\"bottom\", \"wall\", \"top\", \"left\"]\nmaterial = {{ young = 3, poisson = 0.2 }}\n\
+             [[interface]]\nbetween = [\"left.right\", \"right.left\"]\n{law}\n\
+             [sides]\nleft.wall.displacement = [0, 0]\nright.wall.displacement = [0, 0]\n\
+             left.top.traction = [0.01, \"-0.02*x\"]\n[method]\ntolerance = {tolerance}\n"
+        );
+        parse(&text, &[]).unwrap_or_else(|e| panic!("{}\n{text}", e.render()))
+    };
+    for (law, components) in [("tied = true", &["x", "y"][..]), ("contact.friction.tresca = 0.001", &["x"])] {
+        let fine = solved(&scene(law, "1e-5"));
+        for tolerance in ["1e-1", "1e-2", "1e-3"] {
+            let own = solved(&scene(law, tolerance));
+            for component in components {
+                let path = format!("interfaces.0.force.{component}");
+                let (told, exact) = (quantity(&own, &path), quantity(&fine, &path).value);
+                let (error, bar) = ((told.value - exact).abs(), told.uncertainty);
+                println!("{law} {tolerance} {path}: {} ± {bar:.1e}, off by {error:.1e} {:?}", told.value, told.doubts);
+                assert!(error <= 1.5 * bar && bar <= 40.0 * error.max(1e-10), "{law} {path}: {error:e} and {bar:e}");
+                let wall = quantity(&own, &format!("reactions.right.wall.{component}"));
+                let scale = exact.abs();
+                assert!((wall.value - told.value).abs() < 1e-9 * scale, "{} and {}", wall.value, told.value);
+                assert!((wall.uncertainty - bar).abs() < 1e-2 * bar, "{bar:e} and {:e}", wall.uncertainty);
+                if own.contact.is_some() {
+                    for same in ["contact.force", "reactions.left.right"] {
+                        let same = quantity(&own, &format!("{same}.{component}"));
+                        assert!((same.value - told.value).abs() < 1e-12 * scale && same.uncertainty == bar);
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Where the answer is exact the bar is that of rounding, and nothing is in doubt.
 #[test]
 fn exact_answers_have_bars_of_rounding() {

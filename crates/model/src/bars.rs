@@ -26,7 +26,7 @@ use crate::contact_length::extracts_ends;
 use crate::estimate::error_estimate::{Bubble, Estimate, ROUNDOFF, UNRESOLVED};
 use crate::grid::{GridQuantity, GridSolved};
 use crate::named::components;
-use crate::quantities::{EstimatedQuantity, OF_POINT, forces, has_contact};
+use crate::quantities::{EstimatedQuantity, OF_POINT, forces, forces_between, has_contact};
 
 /// How far the exact value may be, over the part that the enriched spaces see.
 pub(crate) const OF_DIFFERENCE: f64 = 1.2;
@@ -63,6 +63,8 @@ pub(crate) enum Of {
     Point(usize),
     /// The force of a side.
     Force(usize),
+    /// The force of an interface between bodies.
+    Interface(usize),
     /// One of the named quantities.
     Named(usize),
     /// The largest pressure of contact.
@@ -81,7 +83,7 @@ pub(crate) struct Entry {
     pub(crate) group: Range<usize>,
 }
 
-/// The values of [`Estimate::quantities`] in their order: those at points, the forces of sides, the named quantities.
+/// The values of [`Estimate::quantities`] in their order: those at points, the forces of sides and of interfaces, the named quantities.
 fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     let mut add = |of: Of, kind: Kind, paths: Vec<String>| {
@@ -98,6 +100,9 @@ fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
     for (_, side) in forces(scene, reactions) {
         let name = &scene.problem.sides[side].name;
         add(Of::Force(side), Kind::Force, ["x", "y"].map(|i| format!("reactions.{name}.{i}")).to_vec());
+    }
+    for (number, _) in forces_between(scene) {
+        add(Of::Interface(number), Kind::Force, ["x", "y"].map(|i| format!("interfaces.{number}.force.{i}")).to_vec());
     }
     for (k, NamedQuantity { name, kind }) in scene.quantities.iter().enumerate() {
         let path = format!("{}.{name}", kind.group());

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Location, SAME_PLACE};
 use steklov_elastic::plane::distance;
-use steklov_problem::{Multiplier, NamedQuantity, QuantityKind, Scene};
+use steklov_problem::{Interface, Law, Multiplier, NamedQuantity, QuantityKind, Scene};
 
 use crate::answer::data_jumps::kinks;
 use crate::answer::probes::invariants;
@@ -105,6 +105,14 @@ pub(crate) fn forces<'a>(
     reactions.iter().filter_map(of).filter(|(_, side)| is_known(scene, *side))
 }
 
+/// The interfaces between bodies, with their numbers, the error bars of whose forces are known: all but those of stabilised multipliers.
+pub(crate) fn forces_between(scene: &Scene) -> impl Iterator<Item = (usize, &Interface)> {
+    let known = |(_, interface): &(usize, &Interface)| {
+        matches!(interface.law, Law::Tied(_)) || scene.method.multiplier == Multiplier::Biorthogonal
+    };
+    scene.problem.joints().enumerate().filter(known)
+}
+
 /// Whether the enriched spaces tell how far the force of a side may be off: that of a support or a rigid obstacle.
 fn is_known(scene: &Scene, side: usize) -> bool {
     let (problem, stabilised) = (&scene.problem, scene.method.multiplier == Multiplier::Stabilised);
@@ -165,6 +173,10 @@ pub(crate) struct Told<'a> {
     pub near: &'a [bool],
     /// The largest pressure of a node, if it is not zero and no stress on a side in contact infinite.
     pub peak: Option<f64>,
+    /// The forces of sides.
+    pub reactions: &'a [(String, [f64; 2])],
+    /// The force of all contact.
+    pub force: Option<[f64; 2]>,
     /// The length of contact, and what misplaced vertices add to its uncertainty.
     pub length: Option<[f64; 2]>,
     /// The contact table.
@@ -235,7 +247,13 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                 }
             }
             Of::Force(side) => {
-                if shared(scene, side)[k - entry.group.start] {
+                if shared(scene, &[side])[k - entry.group.start] {
+                    continue;
+                }
+            }
+            Of::Interface(number) => {
+                let sides = scene.problem.joints().nth(number).map_or(&[][..], |interface| &interface.sides);
+                if shared(scene, sides)[k - entry.group.start] {
                     continue;
                 }
             }
@@ -262,7 +280,47 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         }
         quantities.insert(entry.path.clone(), quantity);
     }
+    of_carrying_sides(scene, &mut quantities, told.reactions);
+    if let Some(force) = told.force {
+        of_contact(scene, &mut quantities, force);
+    }
     quantities
+}
+
+/// Gives the force of a side that alone carries the multipliers of an interface the error bar of that.
+fn of_carrying_sides(scene: &Scene, quantities: &mut Quantities, reactions: &[(String, [f64; 2])]) {
+    for (number, interface) in scene.problem.joints().enumerate() {
+        let &[side] = &interface.sides[..] else { continue };
+        let name = &scene.problem.sides[side].name;
+        let Some((_, force)) = reactions.iter().find(|(own, _)| own == name) else { continue };
+        for (component, &value) in ["x", "y"].into_iter().zip(force) {
+            if let Some(own) = quantities.get(&format!("interfaces.{number}.force.{component}")) {
+                let own = Quantity { value, ..own.clone() };
+                quantities.insert(format!("reactions.{name}.{component}"), own);
+            }
+        }
+    }
+}
+
+/// Gives the force of all contact its error bar, the sum of those of its sides and interfaces, where all of them have one.
+fn of_contact(scene: &Scene, quantities: &mut Quantities, force: [f64; 2]) {
+    let rigid = scene.contacts().filter(|&(side, _)| scene.problem.joint(side).is_none());
+    let between = scene.problem.joints().enumerate().filter(|(_, own)| matches!(own.law, Law::Contact(_)));
+    let parts: Vec<String> = rigid
+        .map(|(side, _)| format!("reactions.{}", scene.problem.sides[side].name))
+        .chain(between.map(|(number, _)| format!("interfaces.{number}.force")))
+        .collect();
+    for (component, value) in ["x", "y"].into_iter().zip(force) {
+        let own: Option<Vec<&Quantity>> =
+            parts.iter().map(|part| quantities.get(&format!("{part}.{component}"))).collect();
+        let Some(own) = own.filter(|own| !own.is_empty()) else { continue };
+        let mut doubts: Vec<String> = own.iter().flat_map(|part| part.doubts.clone()).collect();
+        doubts.sort();
+        doubts.dedup();
+        let uncertainty = own.iter().map(|part| part.uncertainty).sum();
+        let sum = Quantity { value, uncertainty, doubts, parts: BTreeMap::new() };
+        quantities.insert(format!("contact.force.{component}"), sum);
+    }
 }
 
 /// Whether the node of contact that is nearest to a point touches.

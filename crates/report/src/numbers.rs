@@ -16,6 +16,9 @@ pub(crate) const DIGITS: usize = 7;
 /// Components of a vector below this part of its largest one are rounding.
 const ROUNDING: f64 = 1e-10;
 
+/// The components of a vector.
+const PLANE: [&str; 2] = ["x", "y"];
+
 /// A row: what the number is, the number, its unit, what is known of its error.
 pub(crate) struct Row {
     pub what: String,
@@ -127,6 +130,23 @@ fn within(before: &str, value: f64, digits: usize, after: &str) -> Vec<Piece> {
     vec![Words(before.into()), Number(value, digits), Words(after.into())]
 }
 
+/// The error bars of the components of a vector at a path of the result, those of unknown ones as a dash; nothing without any.
+fn bars<const N: usize>(s: &Summary, path: &str, components: [&str; N]) -> Vec<Piece> {
+    let known = components.map(|component| s.quantities.get(&format!("{path}.{component}")));
+    if known.iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    let mut pieces = words("± (");
+    for (k, told) in known.into_iter().enumerate() {
+        if k > 0 {
+            pieces.push(Words(", ".into()));
+        }
+        pieces.push(told.map_or(Words("–".into()), |told| Number(told.uncertainty, 2)));
+    }
+    pieces.push(Words(")".into()));
+    pieces
+}
+
 fn row(what: impl Into<String>, value: Vec<Piece>, unit: Unit, error: Vec<Piece>) -> Row {
     Row { what: what.into(), value, unit, error }
 }
@@ -194,7 +214,7 @@ fn of_contact(s: &Summary, c: &ContactSummary) -> Vec<Row> {
             Unit::Stress,
             bar("contact.max_pressure").unwrap_or_else(|| words(largest)),
         ),
-        row("contact: force on the body", vector(c.force), Unit::Force, vec![]),
+        row("contact: force on the body", vector(c.force), Unit::Force, bars(s, "contact.force", PLANE)),
     ];
     for (k, end) in c.ends.iter().flatten().enumerate() {
         rows.push(row(format!("contact: end {}", k + 1), vector(*end), Unit::Length, vec![]));
@@ -233,16 +253,19 @@ fn of_names(s: &Summary) -> Vec<Row> {
     rows
 }
 
-/// How well forces balance.
-fn balance(equilibrium: Option<f64>) -> Vec<Piece> {
-    equilibrium.map_or(Vec::new(), |e| within("forces balance to ", e, 2, " of their size"))
+/// How far a force at a path of the result may be off, else how well forces balance.
+fn of_force(s: &Summary, path: &str, equilibrium: Option<f64>) -> Vec<Piece> {
+    let known = bars(s, path, PLANE);
+    let balance = || equilibrium.map_or(Vec::new(), |e| within("forces balance to ", e, 2, " of their size"));
+    if known.is_empty() { balance() } else { known }
 }
 
 /// Reactions, and how well forces and contact conditions hold.
 fn of_forces(s: &Summary) -> Vec<Row> {
     let equilibrium = s.audit.map(|a| a.equilibrium);
     let reaction = |(side, force): (&String, &[f64; 2])| {
-        row(format!("force on the body from side {side}"), vector(*force), Unit::Force, balance(equilibrium))
+        let known = of_force(s, &format!("reactions.{side}"), equilibrium);
+        row(format!("force on the body from side {side}"), vector(*force), Unit::Force, known)
     };
     let mut rows: Vec<Row> = s.reactions.iter().map(reaction).collect();
     if let Some(a) = s.audit {
@@ -267,7 +290,7 @@ fn of_parts(s: &Summary) -> Vec<Row> {
         let error = body.estimate.map_or(Vec::new(), |e| within("estimated error of this body ", e, 3, ""));
         rows.push(row(format!("strain energy of body {}", body.name), one(body.strain_energy), Unit::Energy, error));
     }
-    s.interfaces.iter().for_each(|i| rows.extend(of_interface(i)));
+    s.interfaces.iter().enumerate().for_each(|(number, i)| rows.extend(of_interface(s, number, i)));
     if let Some(grid) = &s.grid {
         let parts = [
             (grid.estimate_multiscale, "coarse cells"),
@@ -290,7 +313,7 @@ fn of_parts(s: &Summary) -> Vec<Row> {
     rows
 }
 
-fn of_interface(i: &InterfaceSummary) -> Vec<Row> {
+fn of_interface(s: &Summary, number: usize, i: &InterfaceSummary) -> Vec<Row> {
     let sides = i.sides[0].iter().chain(&i.sides[1]).cloned().collect::<Vec<_>>().join(", ");
     let length = format!("interface {}, {} ({sides}): length", i.name, i.kind);
     let mut rows = vec![row(length, one(i.length), Unit::Length, vec![])];
@@ -299,7 +322,8 @@ fn of_interface(i: &InterfaceSummary) -> Vec<Row> {
         rows.push(row(format!("interface {}: sticks, slips", i.name), value, Unit::Length, vec![]));
     }
     let first = format!("interface {}: force on the body named first", i.name);
-    rows.push(row(first, vector(i.force), Unit::Force, balance(i.audit.map(|a| a.equilibrium))));
+    let known = of_force(s, &format!("interfaces.{number}.force"), i.audit.map(|a| a.equilibrium));
+    rows.push(row(first, vector(i.force), Unit::Force, known));
     if let Some(n) = i.normals {
         let angle = within("", n.angle.to_degrees(), 3, "°");
         let change = within("J is uncertain by ", n.energy_change, 2, " for that");
@@ -310,14 +334,15 @@ fn of_interface(i: &InterfaceSummary) -> Vec<Row> {
 
 /// Rows of the points of `[probe]`.
 pub(crate) fn of_probes(s: &Summary) -> Vec<Row> {
-    let rows = s.probe.iter().flat_map(|p| {
+    let rows = s.probe.iter().enumerate().flat_map(|(k, p)| {
         let [x, y] = p.point;
         let (stress, known) = match p.stress_unbounded {
             true => (words("infinite"), words("at this vertex, whatever the mesh")),
-            false => (vector(p.stress), vec![]),
+            false => (vector(p.stress), bars(s, &format!("probe.{k}.stress"), ["xx", "yy", "xy"])),
         };
+        let of_displacement = bars(s, &format!("probe.{k}.displacement"), PLANE);
         [
-            row(format!("displacement at ({x}, {y})"), vector(p.displacement), Unit::Length, vec![]),
+            row(format!("displacement at ({x}, {y})"), vector(p.displacement), Unit::Length, of_displacement),
             row(format!("stress (xx, yy, xy) at ({x}, {y})"), stress, Unit::Stress, known),
         ]
     });

@@ -81,6 +81,12 @@ fn one_with_bar(value: f64, uncertainty: Option<f64>, largest: f64) -> String {
     }
 }
 
+/// A force with the uncertainties of its components, if those at a path of the result are known.
+fn force_with_bars(s: &Summary, force: [f64; 2], path: &str, largest: f64) -> String {
+    let uncertainty = |component| Some(s.quantities.get(&format!("{path}.{component}"))?.uncertainty);
+    with_bars(force, ["x", "y"].map(uncertainty), largest)
+}
+
 /// The lines of a result.
 pub fn lines(stored: &Record) -> Vec<String> {
     let s = &stored.summary;
@@ -88,10 +94,8 @@ pub fn lines(stored: &Record) -> Vec<String> {
     solved(stored, &mut lines);
     let largest = s.reactions.values().flatten().fold(0.0, |largest: f64, force| largest.max(force.abs()));
     for (side, force) in &s.reactions {
-        let uncertainty =
-            |component: &str| Some(s.quantities.get(&format!("reactions.{side}.{component}"))?.uncertainty);
-        let uncertainties = ["x", "y"].map(uncertainty);
-        lines.say("reaction", format!("{side}: {}", with_bars(*force, uncertainties, largest)));
+        let path = format!("reactions.{side}");
+        lines.say("reaction", format!("{side}: {}", force_with_bars(s, *force, &path, largest)));
     }
     if let Some(c) = &s.contact {
         contact(stored, c, &mut lines);
@@ -171,7 +175,7 @@ fn contact(stored: &Record, c: &ContactSummary, lines: &mut Lines) {
         largest.filter(|row| row.pressure > 0.0).map_or(String::new(), |row| format!(" at {}", vector(row.point)));
     let note = if c.max_pressure_unbounded { " (the exact one is infinite: this is a number of the mesh)" } else { "" };
     lines.say("", format!("largest pressure {}{place}{note}", with_bar(c.max_pressure, "contact.max_pressure")));
-    lines.say("", format!("force on the body {}", vector(c.force)));
+    lines.say("", format!("force on the body {}", force_with_bars(s, c.force, "contact.force", 0.0)));
     if let Some(factor) = c.contraction {
         let note = if factor < 1.0 { "" } else { ": the fixed point of Tresca problems does not settle" };
         lines.say("", format!("Coulomb friction, contraction {factor:.3}{note}"));
@@ -183,13 +187,14 @@ fn contact(stored: &Record, c: &ContactSummary, lines: &mut Lines) {
 /// The interfaces between several bodies.
 fn interfaces(s: &Summary, lines: &mut Lines) {
     let in_doubt = s.estimate_doubts.iter().any(|word| word == Doubt::Normals.word());
-    for i in &s.interfaces {
+    for (number, i) in s.interfaces.iter().enumerate() {
         let stick = i.stick.map_or(String::new(), |stick| format!(", stick {}", part(stick, i.length)));
         // where the largest one is infinite, the line above says so
         let bounded = s.contact.as_ref().is_some_and(|contact| !contact.max_pressure_unbounded);
         let pressure =
             i.max_pressure.filter(|_| bounded).map_or(String::new(), |p| format!(", largest pressure {}", usual(p)));
-        let (length, force) = (usual(i.length), vector(i.force));
+        let (length, force) =
+            (usual(i.length), force_with_bars(s, i.force, &format!("interfaces.{number}.force"), 0.0));
         lines.say("interface", format!("{}: {}, length {length}{stick}{pressure}, force {force}", i.name, i.kind));
         if let Some(n) = i.normals.filter(|_| in_doubt) {
             let (angle, change) = (n.angle.to_degrees(), plain(n.energy_change, 2));

@@ -138,14 +138,34 @@ fn jump_of_force(scene: &Scene, interface: &Interface, solved: &Solved) -> [f64;
     summed.map_or([f64::NAN; 2], |()| force)
 }
 
+/// 1, or -1 where the body that is named second carries the multipliers.
+pub(crate) fn sign_of(interface: &Interface) -> f64 {
+    if interface.place == Place::Second { -1.0 } else { 1.0 }
+}
+
+/// The force of an interface on the body that is named first.
+pub(crate) fn force_of(scene: &Scene, interface: &Interface, solved: &Solved) -> [f64; 2] {
+    let sign = sign_of(interface);
+    let mut force = [0.0; 2];
+    match (&interface.law, &solved.contact) {
+        (Law::Contact(_), Some(contact)) => {
+            for &side in &interface.sides {
+                force.iter_mut().zip(contact.force(side)).for_each(|(force, own)| *force += sign * own);
+            }
+        }
+        _ => {
+            force = jump_of_force(scene, interface, solved);
+            for TieRow { weight, traction, .. } in solved.ties.iter().filter(|tie| tie.name == interface.name) {
+                (0..2).for_each(|i| force[i] += sign * weight * traction[i]);
+            }
+        }
+    }
+    force
+}
+
 fn of_tie(scene: &Scene, interface: &Interface, solved: &Solved) -> InterfaceSummary {
     let own = solved.ties.iter().filter(|tie| tie.name == interface.name);
-    let (mut force, mut length) = (jump_of_force(scene, interface, solved), 0.0);
-    for TieRow { weight, traction, .. } in own {
-        length += weight;
-        let sign = if interface.place == Place::Second { -1.0 } else { 1.0 };
-        (0..2).for_each(|i| force[i] += sign * weight * traction[i]);
-    }
+    let length = own.fold(0.0, |length, tie| length + tie.weight);
     InterfaceSummary {
         name: interface.name.clone(),
         kind: "tied".into(),
@@ -154,7 +174,7 @@ fn of_tie(scene: &Scene, interface: &Interface, solved: &Solved) -> InterfaceSum
         stick: None,
         slip: None,
         max_pressure: None,
-        force,
+        force: force_of(scene, interface, solved),
         ends: None,
         audit: None,
         normals: None,

@@ -12,9 +12,9 @@ use steklov_bem_operators::{BoundaryField, Enriched, Inside, Raised};
 use steklov_contact::{ContactBubble, Tip};
 use steklov_coupling::{MediumField, Radiation};
 use steklov_elastic::RigidMotion;
-use steklov_elastic::plane::dot;
 use steklov_problem::{Condition, NamedQuantity, Scene};
 
+use crate::answer::interfaces::{force_of, sign_of};
 use crate::contact_length::length_of_contact;
 use crate::data::body_load::Particulars;
 use crate::data::on_mesh::OnMesh;
@@ -26,7 +26,6 @@ use crate::estimate::elastic::Elastic;
 use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame};
 use crate::estimate::functionals::has_duals;
 use crate::quantities::{self, At, EstimatedQuantity};
-use crate::reacting::reacting;
 use crate::solve::body::{Body, Factors};
 use crate::solve::fields::{ElasticField, Field};
 use crate::solve::solution::Solved;
@@ -81,8 +80,13 @@ pub(crate) fn both(
         both.extend(pair(value, quantities::at_points(scene, plus, after.as_ref().map(|at| at as &At<'_>))));
     }
     for (force, side) in quantities::forces(scene, &solved.reactions) {
-        let gained = data.change_of_force(side, &change);
+        let gained = data.change_of_force(&[side], &change);
         both.extend([0, 1].map(|i| [force[i], force[i] + gained[i]]));
+    }
+    for (_, interface) in quantities::forces_between(scene) {
+        let (force, sign) = (force_of(scene, interface, solved), sign_of(interface));
+        let gained = data.change_of_force(&interface.sides, &change);
+        both.extend([0, 1].map(|i| [force[i], force[i] + sign * gained[i]]));
     }
     if let Some(plus) = &plus {
         let works = data.works_with(&solved.works, &change);
@@ -120,7 +124,8 @@ pub(crate) fn both(
 fn is_known(scene: &Scene, solved: &Solved) -> bool {
     let decays = |body: usize| scene.problem.radiation(body).is_none_or(|radiation| radiation == Radiation::Decaying);
     let bounded = (0..scene.problem.bodies.len()).all(decays);
-    let asked = quantities::needs_tractions(scene) || quantities::forces(scene, &solved.reactions).next().is_some();
+    let of_forces = quantities::forces(scene, &solved.reactions).next().is_some();
+    let asked = quantities::needs_tractions(scene) || of_forces || quantities::forces_between(scene).next().is_some();
     asked && bounded && solved.around.as_ref().is_none_or(|around| around.radiation == Radiation::Decaying)
 }
 
@@ -212,11 +217,11 @@ impl OnMesh<'_> {
         self.elements_of(side).flat_map(|e| self.space.element_nodes(e)).collect()
     }
 
-    /// The change of the force of a side by that of the nodal forces.
-    fn change_of_force(&self, side: usize, change: &[f64]) -> [f64; 2] {
-        let reacts = reacting(self.scene, side);
-        let sum = |i: usize| self.nodes_of(side).iter().map(|node| change[2 * node + i]).sum::<f64>();
-        [0, 1].map(|i| if reacts[i] { sum(i) } else { 0.0 })
+    /// The change of the force of sides by that of the nodal forces.
+    fn change_of_force(&self, sides: &[usize], change: &[f64]) -> [f64; 2] {
+        let on_sides = self.on_sides(sides, |_| [1.0; 2]);
+        let sum = |i: usize| on_sides.chunks_exact(2).zip(change.chunks_exact(2)).map(|(w, f)| w[i] * f[i]).sum();
+        [0, 1].map(sum)
     }
 
     /// The moments and weighted forces of the nodal forces with their change.
@@ -228,12 +233,8 @@ impl OnMesh<'_> {
             if !self.is_balanced(side) {
                 return Some(work);
             }
-            let reacts = reacting(self.scene, side);
-            let gained = |&node: &usize| {
-                let force = [0, 1].map(|i| if reacts[i] { change[2 * node + i] } else { 0.0 });
-                dot(w(self.space.points[node]), force)
-            };
-            Some(work + self.nodes_of(side).iter().map(gained).sum::<f64>())
+            let gained: f64 = self.on_sides(&[side], w).iter().zip(change).map(|(w, f)| w * f).sum();
+            Some(work + gained)
         };
         self.scene.quantities.iter().filter_map(with).collect()
     }

@@ -59,7 +59,10 @@ impl OnMesh<'_> {
         let scene = self.scene;
         let along = |i: usize| [0, 1].map(|k| f64::from(u8::from(i == k)));
         let forces = quantities::forces(scene, &solved.reactions);
-        let forces = forces.flat_map(|(_, side)| [0, 1].map(|i| Some(self.of_forces(side, |_| along(i)))));
+        let forces = forces.map(|(_, side)| vec![side]);
+        let between = quantities::forces_between(scene).map(|(_, interface)| interface.sides.clone());
+        let of_sides = |sides: Vec<usize>| [0, 1].map(|i| Some(self.of_forces(&sides, |_| along(i))));
+        let forces = forces.chain(between).flat_map(of_sides);
         let Some(field) = field else { return forces.collect() };
         let mut all: Vec<Option<LinearFunctional>> = Vec::new();
         for &x in &scene.probe {
@@ -78,7 +81,7 @@ impl OnMesh<'_> {
                 QuantityKind::MeanDisplacement(side) => all.extend(self.of_mean(field, side).map(Some)),
                 QuantityKind::Moment { .. } | QuantityKind::WeightedForce { .. } => {
                     let balanced = quantity.kind.weighted_side().filter(|(side, _)| self.is_balanced(*side));
-                    all.push(balanced.map(|(side, w)| self.of_forces(side, w)));
+                    all.push(balanced.map(|(side, w)| self.of_forces(&[side], w)));
                 }
                 QuantityKind::OpeningAt(x) => all.push(self.of_opening(field, x)),
             }
@@ -135,15 +138,22 @@ impl OnMesh<'_> {
         all
     }
 
-    /// Σ w·R over the nodes of a side, in the components in which it reacts.
-    fn of_forces(&self, side: usize, w: impl Fn([f64; 2]) -> [f64; 2]) -> LinearFunctional {
-        let reacts = reacting(self.scene, side);
-        let mut of_forces = vec![0.0; self.space.dofs()];
-        for node in self.nodes_of(side) {
-            let w = w(self.space.points[node]);
-            (0..2).filter(|&i| reacts[i]).for_each(|i| of_forces[2 * node + i] = w[i]);
+    /// Σ w·R over the nodes of sides.
+    fn of_forces(&self, sides: &[usize], w: impl Fn([f64; 2]) -> [f64; 2]) -> LinearFunctional {
+        LinearFunctional { of_forces: self.on_sides(sides, w), ..LinearFunctional::default() }
+    }
+
+    /// w at the nodes of sides, in the components in which each side reacts, two for each node; else zero.
+    pub(crate) fn on_sides(&self, sides: &[usize], w: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64> {
+        let mut at_nodes = vec![0.0; self.space.dofs()];
+        for &side in sides {
+            let reacts = reacting(self.scene, side);
+            for node in self.nodes_of(side) {
+                let w = w(self.space.points[node]);
+                (0..2).filter(|&i| reacts[i]).for_each(|i| at_nodes[2 * node + i] = w[i]);
+            }
         }
-        LinearFunctional { of_forces, ..LinearFunctional::default() }
+        at_nodes
     }
 
     fn of_pressure(&self, field: &Field, (edge, s): (usize, f64)) -> LinearFunctional {

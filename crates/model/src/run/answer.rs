@@ -80,11 +80,23 @@ pub fn answer<M: Model>(
     let is_pressed = |told: &ContactSummary| told.max_pressure > 0.0 && !told.max_pressure_unbounded;
     let peak = contact_in_numbers.as_ref().filter(|told| !is_beside && is_pressed(told)).map(|told| told.max_pressure);
     let energy = (energies.total, report.energy);
-    let told = Told { energy, probes: &probe, named: &named, near: &report.near, length, rows, peak, doubts: &doubts };
+    let force = contact_in_numbers.as_ref().map(|told| told.force);
+    let told = Told {
+        energy,
+        probes: &probe,
+        named: &named,
+        near: &report.near,
+        reactions: report.reactions,
+        force,
+        length,
+        rows,
+        peak,
+        doubts: &doubts,
+    };
     let mut of_means = Quantities::new();
     if let (Some(result), Some(OfMeans { bars, energy })) = (outcomes, &report.over_outcomes) {
         let told = Told { energy: (0.0, *energy), length: None, ..told };
-        of_means = stochastic::with_bars(scene, result, &quantities(scene, bars, told));
+        of_means = stochastic::with_bars(result, &quantities(scene, bars, told));
     }
     let mut quantities = quantities(scene, &report.bars, told);
     quantities.extend(of_means);
