@@ -1,4 +1,4 @@
-//! Error bars of numbers at points, judged by known solutions: the exact number lies inside, and the bar is not idle.
+//! Error bars of energies, forces and numbers at points, judged by known solutions: the exact number lies inside, and the bar is not idle.
 
 use steklov_model::quantities::Quantity;
 use steklov_model::run::adaptive_loop::Run;
@@ -310,6 +310,31 @@ fn numbers_of_data_between_nodes_are_in_doubt() {
             assert!(error <= 3.0 * uncertainty || doubts.contains(&"data".to_owned()), "{width} at {tolerance}");
         }
         assert!(told > 0, "{width}: all in doubt");
+    }
+}
+
+/// Strain energy and load work by Clapeyron's theorem, where no support moves and nothing touches.
+#[test]
+fn energies_are_inside_their_bars() {
+    // by another code
+    let exact = 12.4369592646;
+    for tolerance in ["1e-1", "1e-2", "1e-3", "1e-4"] {
+        let own = solved(&scene("l-shape", &[&format!("method.tolerance={tolerance}"), "expect={}"]));
+        for (path, factor) in [("strain_energy", 1.0), ("load_work", 2.0)] {
+            let Quantity { value, uncertainty, .. } = quantity(&own, path);
+            let error = (value - factor * exact).abs();
+            println!("{tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+            assert!(error <= 1.5 * uncertainty + 5e-10, "{path} at {tolerance}: {error:e} and {uncertainty:e}");
+            assert!(*uncertainty <= 10.0 * error + 5e-9, "{path} at {tolerance}: {error:e} and {uncertainty:e}");
+        }
+    }
+    for (name, changes) in [
+        ("block-on-floor", &[][..]),
+        ("elliptic-hole", &[]),
+        ("tied-blocks", &["sides.lower.bottom.displacement=[0, 1e-9]"]),
+    ] {
+        let own = solved(&scene(name, &[&["method.tolerance=1e-1", "expect={}"], changes].concat()));
+        assert!(["strain_energy", "load_work"].iter().all(|path| !own.quantities.contains_key(*path)), "{name}");
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Location, SAME_PLACE};
 use steklov_elastic::plane::distance;
-use steklov_problem::{Interface, Law, Multiplier, NamedQuantity, QuantityKind, Scene};
+use steklov_problem::{Condition, Interface, Law, Multiplier, NamedQuantity, QuantityKind, Scene};
 
 use crate::answer::data_jumps::kinks;
 use crate::answer::probes::invariants;
@@ -21,6 +21,9 @@ use crate::summary::{Named, Probe};
 const SMALL: f64 = 100.0;
 /// How much larger the uncertainty is at corners.
 const OF_CORNER: f64 = 3.0;
+
+/// Strain energy and J are opposite numbers up to this part of them where a theorem says so.
+const SAME_ENERGY: f64 = 1e-9;
 
 /// A number with its error bar.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -173,6 +176,8 @@ pub(crate) struct Told<'a> {
     pub near: &'a [bool],
     /// The largest pressure of a node, if it is not zero and no stress on a side in contact infinite.
     pub peak: Option<f64>,
+    /// Strain energy and load work.
+    pub parts_of_energy: [f64; 2],
     /// The forces of sides.
     pub reactions: &'a [(String, [f64; 2])],
     /// The force of all contact.
@@ -280,11 +285,39 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         }
         quantities.insert(entry.path.clone(), quantity);
     }
+    of_energies(scene, &mut quantities, told.parts_of_energy);
     of_carrying_sides(scene, &mut quantities, told.reactions);
     if let Some(force) = told.force {
         of_contact(scene, &mut quantities, force);
     }
     quantities
+}
+
+/// Gives strain energy and load work the error bar of J where they are -J and -2J, of the solution of a mesh as well: by Clapeyron's
+/// theorem where nothing but loads does work.
+fn of_energies(scene: &Scene, quantities: &mut Quantities, [strain, load_work]: [f64; 2]) {
+    let Some(energy) = quantities.get("energy").cloned().filter(|_| loads_alone_work(scene)) else { return };
+    for (path, value, factor) in [("strain_energy", strain, 1.0), ("load_work", load_work, 2.0)] {
+        if (value + factor * energy.value).abs() <= SAME_ENERGY * value.abs() {
+            let parts = energy.parts.iter().map(|(name, part)| (name.clone(), factor * part)).collect();
+            let uncertainty = factor * energy.uncertainty;
+            quantities.insert(path.to_owned(), Quantity { value, uncertainty, doubts: energy.doubts.clone(), parts });
+        }
+    }
+}
+
+/// Whether nothing but loads does work on the bodies: no support moves, and there is no contact, jump, spring or medium.
+fn loads_alone_work(scene: &Scene) -> bool {
+    let problem = &scene.problem;
+    let is_plain = |law: &Law| matches!(law, Law::Tied(tie) if tie.displacement_jump.is_none());
+    let rests = |condition: &Condition| match condition {
+        Condition::Displacement { values, .. } => values.iter().flatten().all(|value| value.constant() == Some(0.0)),
+        _ => true,
+    };
+    !problem.has_springs()
+        && problem.bodies.iter().all(|body| body.far.is_none())
+        && problem.interfaces().iter().all(|interface| is_plain(&interface.law))
+        && problem.sides.iter().all(|side| rests(&side.condition))
 }
 
 /// Gives the force of a side that alone carries the multipliers of an interface the error bar of that.

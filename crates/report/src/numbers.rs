@@ -176,13 +176,16 @@ fn energies(s: &Summary) -> Vec<Row> {
         _ => vec![row(last, energy, Unit::Energy, words("not estimated"))],
     };
     let parts = [
-        ("strain energy", Some(s.strain_energy)),
-        ("energy of springs", s.spring_energy),
-        ("work of loads", Some(s.load_work)),
-        ("work of friction", s.contact.as_ref().map(|_| s.friction_work)),
+        ("strain energy", "strain_energy", Some(s.strain_energy)),
+        ("energy of springs", "spring_energy", s.spring_energy),
+        ("work of loads", "load_work", Some(s.load_work)),
+        ("work of friction", "friction_work", s.contact.as_ref().map(|_| s.friction_work)),
     ];
-    let known = parts.into_iter().filter_map(|(what, value)| Some((what, value?)));
-    rows.extend(known.map(|(what, value)| row(what, one(value), Unit::Energy, words("not estimated by itself"))));
+    for (what, path, value) in parts {
+        let Some(value) = value else { continue };
+        let bar = s.quantities.get(path).map(|told| within("± ", told.uncertainty, 2, ""));
+        rows.push(row(what, one(value), Unit::Energy, bar.unwrap_or_else(|| words("not estimated by itself"))));
+    }
     if let (Some(estimate), Some(relative)) = (s.estimate, s.estimate_relative) {
         let trust = match s.estimate_doubts.is_empty() {
             true => "near the true error: nothing is in doubt".to_owned(),

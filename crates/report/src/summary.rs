@@ -329,7 +329,9 @@ fn energies(s: &Summary, lines: &mut Lines) {
     lines.say("energy J", plain(s.energy, ENERGY_DIGITS));
     let springs = s.spring_energy.map_or(String::new(), |energy| format!("springs {}, ", usual(energy)));
     let friction = part(s.friction_work, s.strain_energy.abs().max(s.load_work.abs()));
-    let (strain, work) = (usual(s.strain_energy), usual(s.load_work));
+    let with_bar =
+        |value: f64, path: &str| one_with_bar(value, s.quantities.get(path).map(|told| told.uncertainty), value);
+    let (strain, work) = (with_bar(s.strain_energy, "strain_energy"), with_bar(s.load_work, "load_work"));
     lines.say("", format!("strain {strain}, {springs}load work {work}, friction work {friction}"));
     if let (Some(energy), Some(uncertainty)) = (s.energy_extrapolated, s.energy_uncertainty) {
         let value = plain(energy, digits(energy, uncertainty));

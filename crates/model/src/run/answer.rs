@@ -86,6 +86,7 @@ pub fn answer<M: Model>(
         probes: &probe,
         named: &named,
         near: &report.near,
+        parts_of_energy: [energies.strain, energies.load_work],
         reactions: report.reactions,
         force,
         length,
