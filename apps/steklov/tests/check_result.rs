@@ -188,27 +188,46 @@ fn results_of_all_kinds_hold_are_described_and_wrong_entries_are_noticed() {
 
 /// Name and JSON object of each kind.
 fn results_hold(place: &Place) -> Vec<(String, Value)> {
-    let check = |kind: &Kind| {
+    let solve = |kind: &Kind| {
         let file = format!("{}.vtkhdf", kind.name);
-        let solved = run(place, "solve", kind, &["--quiet", "--save", "all", "--out", &file]);
-        let said = place.python(CHECK_RESULT, &[&file]).demand(0).out;
+        run(place, "solve", kind, &["--quiet", "--save", "all", "--out", &file]).json()
+    };
+    let solved: Vec<Value> = KINDS.iter().map(solve).collect();
+    let said = checked(place, &KINDS.map(|kind| format!("{}.vtkhdf", kind.name)));
+    for (kind, (status, said)) in KINDS.iter().zip(&said) {
+        assert_eq!(*status, 0, "{}:\n{said}", kind.name);
         for what in kind.wanted {
             assert!(said.lines().any(|line| line.starts_with(what)), "{}: {what} is not checked:\n{said}", kind.name);
         }
         println!("{}: {}", kind.name, said.lines().last().unwrap());
-        (kind.name.to_owned(), solved.json())
-    };
-    KINDS.iter().map(check).collect()
+    }
+    KINDS.iter().map(|kind| kind.name.to_owned()).zip(solved).collect()
 }
 
 fn wrong_entries_are_noticed(place: &Place) {
-    for (kind, dataset) in CHANGED {
-        let file = format!("{kind}.vtkhdf");
-        place.python(&script("change_one_entry.py"), &[&file, dataset, "wrong.vtkhdf"]).demand(0);
-        let ran = place.python(CHECK_RESULT, &["wrong.vtkhdf"]);
-        assert!(ran.status == 1 && ran.out.contains("DOES NOT HOLD"), "{kind}: {dataset} is not noticed:\n{}", ran.out);
-        println!("{kind} with a wrong {dataset}: {}", ran.out.lines().last().unwrap());
+    let copies: Vec<String> = (0..CHANGED.len()).map(|k| format!("wrong-{k}.vtkhdf")).collect();
+    let originals = CHANGED.map(|(kind, _)| format!("{kind}.vtkhdf"));
+    let each = originals.iter().zip(CHANGED).zip(&copies);
+    let arguments: Vec<&str> = each.flat_map(|((file, (_, dataset)), copy)| [file.as_str(), dataset, copy]).collect();
+    place.python(&script("change_entries.py"), &arguments).demand(0);
+    for ((kind, dataset), (status, said)) in CHANGED.iter().zip(checked(place, &copies)) {
+        assert!(status == 1 && said.contains("DOES NOT HOLD"), "{kind}: {dataset} is not noticed:\n{said}");
+        println!("{kind} with a wrong {dataset}: {}", said.lines().last().unwrap());
     }
+}
+
+/// The exit status of `docs/check_result.py` for each file, and what it says.
+fn checked(place: &Place, files: &[String]) -> Vec<(i32, String)> {
+    let arguments: Vec<&str> = std::iter::once(CHECK_RESULT).chain(files.iter().map(String::as_str)).collect();
+    let all = format!("\n{}", place.python(&script("check_many.py"), &arguments).demand(0).out);
+    let of = |(part, file): (&str, &String)| {
+        let (head, said) = part.split_once('\n').unwrap();
+        let status = head.strip_prefix(file.as_str()).unwrap_or_else(|| panic!("{file}: {head}"));
+        (status.trim().parse().unwrap(), said.to_owned())
+    };
+    let parts: Vec<&str> = all.split("\n== ").skip(1).collect();
+    assert_eq!(parts.len(), files.len());
+    parts.into_iter().zip(files).map(of).collect()
 }
 
 /// A disc with a hole beside its centre, held by nothing: the displacement has a rotation in it, which polynomials on arcs do not

@@ -20,7 +20,7 @@ use steklov_elastic::Material;
 use steklov_elastic::plane::dot;
 use steklov_problem::{Indicator, Refine, Scene};
 
-use crate::answer::singular_points::strong_vertices;
+use crate::answer::singular_points::{are_weakly_tied, strong_vertices};
 use crate::data::joints::Joint;
 use crate::data::on_mesh::OnMesh;
 use crate::doubt::Doubt;
@@ -199,6 +199,7 @@ pub fn estimate(
         extrapolated(&data, solved, (body, factors), of_nodes, nonconformity.work, (error, scale))?;
     let unresolved = unresolved(&data, solved, factors, &bubbles)?;
     let mut doubts = doubts(scene, solved, (&unresolved, &overlaps), error);
+    doubts.extend((error > ROUNDOFF * scale && are_weakly_tied(scene)).then_some(Doubt::Coarse));
     doubts.extend(turns_too_far(solved, body).then_some(Doubt::Roundoff));
     let relative = ratio(error, scale);
     let correction = squared;

@@ -72,7 +72,8 @@ impl Estimate {
         if (moving || changed) && !self.doubts.contains(&Doubt::Sets) {
             self.doubts.push(Doubt::Sets);
         }
-        if self.is_coarse(&scene.problem.outline, mesh, &singular_points(scene, hp)) {
+        let is_coarse = self.is_coarse(&scene.problem.outline, mesh, &singular_points(scene, hp));
+        if is_coarse && !self.doubts.contains(&Doubt::Coarse) {
             self.doubts.push(Doubt::Coarse);
         }
     }
