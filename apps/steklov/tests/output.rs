@@ -263,9 +263,8 @@ fn the_summary_has_the_order_in_which_readers_ask() {
     let force: f64 = summary
         .split("force on the body (")
         .nth(1)
-        .and_then(|s| s.split([',', ')']).nth(1))
+        .and_then(|s| s.split([',', ')']).nth(1)?.split_whitespace().next())
         .unwrap()
-        .trim()
         .parse()
         .unwrap();
     let exact = o["contact"]["force"][1].as_f64().unwrap();

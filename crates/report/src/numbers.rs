@@ -256,11 +256,14 @@ fn of_names(s: &Summary) -> Vec<Row> {
     rows
 }
 
-/// How far a force at a path of the result may be off, else how well forces balance.
+/// How far a force at a path of the result may be off, and how well forces balance.
 fn of_force(s: &Summary, path: &str, equilibrium: Option<f64>) -> Vec<Piece> {
-    let known = bars(s, path, PLANE);
-    let balance = || equilibrium.map_or(Vec::new(), |e| within("forces balance to ", e, 2, " of their size"));
-    if known.is_empty() { balance() } else { known }
+    let mut known = bars(s, path, PLANE);
+    if let Some(equilibrium) = equilibrium {
+        known.extend((!known.is_empty()).then(|| Words("; ".into())));
+        known.extend(within("forces balance to ", equilibrium, 2, " of their size"));
+    }
+    known
 }
 
 /// Reactions, and how well forces and contact conditions hold.
