@@ -2,8 +2,8 @@
 
 use faer::{Mat, MatRef};
 use steklov_algebra::{
-    Cholesky, Lu, NoFactor, NoSpectrum, eigenvalues, least_squares, llt, singular_values, solve_full_lu, svd,
-    symmetric_eigen, symmetric_eigenvalues,
+    Cholesky, Lu, NoFactor, NoSpectrum, SymmetricEigen, eigenvalues, least_squares, llt, singular_values,
+    solve_full_lu, svd, symmetric_eigen, symmetric_eigen_on_one_thread, symmetric_eigenvalues,
 };
 use steklov_quadrature::unit_uniform;
 
@@ -107,12 +107,16 @@ fn symmetric_spectra_are_orthogonal_and_give_the_matrix_back() {
     for n in SIZES {
         let r = random(60 + n as u64, n, n);
         let a = &r + r.transpose(); // of eigenvalues of both signs
-        let eigen = symmetric_eigen(lower_of(a.as_ref()).as_ref()).expect("a spectrum");
-        let (v, values) = (&eigen.vectors, &eigen.values);
-        assert!(apart(&(&a * v), &(v * diagonal(values, n, n))) < 1e-12, "{n}");
-        assert!(apart(&(v * diagonal(values, n, n) * v.transpose()), &a) < 1e-12, "{n}");
-        assert!(apart(&(v.transpose() * v), &identity(n)) < 1e-13, "{n}");
-        assert!(values.is_sorted() && (n < 7 || values[0] * values[n - 1] < 0.0), "{n}");
+        let lower = lower_of(a.as_ref());
+        let [eigen, on_one] = [symmetric_eigen, symmetric_eigen_on_one_thread].map(|eigen| eigen(lower.as_ref()));
+        let (eigen, on_one) = (eigen.expect("a spectrum"), on_one.expect("a spectrum"));
+        for SymmetricEigen { values, vectors: v } in [&eigen, &on_one] {
+            assert!(apart(&(&a * v), &(v * diagonal(values, n, n))) < 1e-12, "{n}");
+            assert!(apart(&(v * diagonal(values, n, n) * v.transpose()), &a) < 1e-12, "{n}");
+            assert!(apart(&(v.transpose() * v), &identity(n)) < 1e-13, "{n}");
+            assert!(values.is_sorted() && (n < 7 || values[0] * values[n - 1] < 0.0), "{n}");
+        }
+        let values = &eigen.values;
         let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let alone = symmetric_eigenvalues(lower_of(a.as_ref()).as_ref()).expect("eigenvalues");
         assert!(alone.len() == n && alone.iter().zip(values).all(|(a, b)| (a - b).abs() < 1e-13 * largest), "{n}");
@@ -169,7 +173,7 @@ fn singular_values_and_their_vectors_give_the_matrix_back() {
 fn numbers_that_are_not_finite_have_no_spectrum() {
     let mut a = definite(20);
     a[(12, 5)] = f64::NAN;
-    assert!(symmetric_eigen(a.as_ref()).is_err());
+    assert!(symmetric_eigen(a.as_ref()).is_err() && symmetric_eigen_on_one_thread(a.as_ref()).is_err());
     assert_eq!(symmetric_eigenvalues(a.as_ref()).err(), Some(NoSpectrum));
     assert_eq!(eigenvalues(a.as_ref()).err(), Some(NoSpectrum));
     assert_eq!(svd(a.as_ref()).err().map(|e| e.to_string()), Some(NoSpectrum.to_string()));
