@@ -337,6 +337,19 @@ fn ties_that_end_between_a_support_and_a_stiff_body_are_in_doubt() {
     assert!([40.0, 300.0].into_iter().all(doubted) && !doubted(3000.0));
 }
 
+/// Blocks on each other under a uniform pressure, beside a roller that holds the corner of the tie in one component: the tie carries the load.
+#[test]
+fn ties_that_end_at_a_roller_carry_the_load() {
+    let text = "[[body]]\nname = \"a\"\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\n\
+                material = { young = 1000, poisson = 0 }\n\
+                [[body]]\nname = \"b\"\ncorners = [[0, 1], [1, 1], [1, 2], [0, 2]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\n\
+                material = { young = 40, poisson = 0 }\n[[interface]]\nbetween = [\"a.top\", \"b.bottom\"]\ntied = true\n\
+                [sides]\na.bottom.displacement = [0, 0]\nb.right.displacement = [0, \"free\"]\nb.top.traction = [0, -1]\n";
+    let own = solved(&parse(text, &[]).unwrap_or_else(|e| panic!("{}\n{text}", e.render())));
+    let tie = &own.interfaces[0];
+    assert!((tie.length - 1.0).abs() < 1e-12 && (tie.force[1] + 1.0).abs() < 1e-10, "{tie:?}");
+}
+
 /// Strain energy and load work by Clapeyron's theorem, where no support moves and nothing touches.
 #[test]
 fn energies_are_inside_their_bars() {

@@ -10,7 +10,7 @@ use crate::data::on_mesh::{OnMesh, TRACTION_JUMP};
 use crate::doubt::Doubt;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, Trace, max_pressure};
-use crate::solve::solution::{Solved, TieRow};
+use crate::solve::solution::Solved;
 use crate::summary::{Audit, InterfaceSummary, NormalsSummary, ReachSummary};
 use steklov_contact::Located;
 
@@ -155,8 +155,8 @@ pub(crate) fn force_of(scene: &Scene, interface: &Interface, solved: &Solved) ->
         }
         _ => {
             force = jump_of_force(scene, interface, solved);
-            for TieRow { weight, traction, .. } in solved.ties.iter().filter(|tie| tie.name == interface.name) {
-                (0..2).for_each(|i| force[i] += sign * weight * traction[i]);
+            for (_, own) in solved.tie_forces.iter().filter(|(name, _)| *name == interface.name) {
+                (0..2).for_each(|i| force[i] += sign * own[i]);
             }
         }
     }

@@ -309,6 +309,7 @@ impl Body {
         let solved = Solved {
             strain_of_bodies,
             ties: self.tie_rows(scene, &residual.values),
+            tie_forces: self.tie_forces(scene, &residual.values),
             around: self.outside.as_ref().and_then(|outside| outside.around(&data, &displacement, &given.loads.nodal)),
             displacement: displacement[..space.dofs()].to_vec(),
             field,
@@ -382,12 +383,26 @@ impl Body {
             let at = nodes.iter().position(|of| *of == [node, tied.interface]).unwrap_or_else(|| {
                 let name = scene.problem.interfaces()[tied.interface].name.clone();
                 nodes.push([node, tied.interface]);
-                rows.push(TieRow { name, point: self.space.points[node], weight: tied.whole, traction: [0.0; 2] });
+                let point = self.space.points[node];
+                rows.push(TieRow { name, point, weight: tied.whole, traction: [0.0; 2] });
                 rows.len() - 1
             });
-            rows[at].traction[i] = residual[tied.dof] / tied.weight;
+            // beside a corner that a support holds in one component the other one has that length at the corner itself
+            let row = &mut rows[at];
+            row.weight = row.weight.min(tied.whole);
+            row.traction[i] = residual[tied.dof] / tied.weight;
         }
         rows
+    }
+
+    /// The forces of ties on the bodies that carry their multipliers, by the names of all interfaces.
+    fn tie_forces(&self, scene: &Scene, residual: &[f64]) -> Vec<(String, [f64; 2])> {
+        let mut forces: Vec<(String, [f64; 2])> =
+            scene.problem.interfaces().iter().map(|interface| (interface.name.clone(), [0.0; 2])).collect();
+        for tied in &self.tied {
+            forces[tied.interface].1[tied.dof % 2] += tied.whole * (residual[tied.dof] / tied.weight);
+        }
+        forces
     }
 
     /// The nodal displacement under the loads on the body, and its contact, whose boundary is taken out of `given`.

@@ -69,6 +69,8 @@ pub struct Solved {
     pub strain_of_bodies: Vec<f64>,
     /// The nodes of ties between bodies.
     pub ties: Vec<TieRow>,
+    /// The forces of ties on the bodies that carry the multipliers, by the names of interfaces.
+    pub tie_forces: Vec<(String, [f64; 2])>,
     /// Contact, if there is any.
     pub contact: Option<ContactResult>,
     /// Largest residual of equilibrium over the scale of forces.
