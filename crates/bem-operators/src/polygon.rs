@@ -94,6 +94,8 @@ pub struct Polygon {
     bounded: Vec<bool>,
     side_names: Vec<String>,
     area: f64,
+    /// The diagonal of the box about each body.
+    diagonals: Vec<f64>,
     diameter: f64,
     centroid: [f64; 2],
     tolerance: f64,
@@ -147,23 +149,26 @@ impl Polygon {
         let (area, centroid) = area_and_centroid(&edges);
         let area = if bounded { area } else { f64::INFINITY };
         let bodies = std::iter::once(0..loops.len()).collect();
-        Polygon { edges, loops, bodies, bounded: vec![bounded], side_names, area, diameter, centroid, tolerance }
+        let (bounded, diagonals) = (vec![bounded], vec![diagonal(&edges)]);
+        Polygon { edges, loops, bodies, bounded, side_names, area, diagonals, diameter, centroid, tolerance }
     }
 
     /// Replaces the body by the pieces into which it is cut, each with its loops, the outer one first.
     pub(crate) fn in_pieces(&self, pieces: Vec<Vec<Vec<Edge>>>, side_names: Vec<String>) -> Polygon {
         let bounded = vec![true; pieces.len()];
         let (mut edges, mut loops, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
+        let mut diagonals = Vec::new();
         for piece in pieces {
-            let first = loops.len();
+            let (first, first_edge) = (loops.len(), edges.len());
             for one in piece {
                 let (loop_index, start) = (loops.len(), edges.len());
                 edges.extend(one.into_iter().map(|edge| Edge { loop_index, ..edge }));
                 loops.push(start..edges.len());
             }
             bodies.push(first..loops.len());
+            diagonals.push(diagonal(&edges[first_edge..]));
         }
-        Polygon { edges, loops, bodies, bounded, side_names, ..self.clone() }
+        Polygon { edges, loops, bodies, bounded, side_names, diagonals, ..self.clone() }
     }
 
     /// The same with the sides of a body of this name: `NAME.SIDE`.
@@ -196,6 +201,7 @@ impl Polygon {
             all.centroid = [0, 1].map(|i| (1.0 - part) * all.centroid[i] + part * body.centroid[i]);
             all.area += body.area;
             all.bounded.extend(body.bounded);
+            all.diagonals.extend(body.diagonals);
             all.diameter = all.diameter.max(body.diameter);
             all.tolerance = all.tolerance.max(body.tolerance);
         }
@@ -273,6 +279,11 @@ impl Polygon {
     /// Largest distance between two points of the boundary, which for a bounded body is also that between two of its points.
     pub fn diameter(&self) -> f64 {
         self.diameter
+    }
+
+    /// The diagonal of the box about the boundary of one of the bodies, with sides along the axes.
+    pub fn diagonal_of_body(&self, body: usize) -> f64 {
+        self.diagonals[body]
     }
 
     /// Centre of mass of the body, which may lie outside of it if there are holes or notches; for an unbounded body that of
@@ -388,6 +399,16 @@ pub(crate) fn listed_edges(listed: &Loop) -> Vec<Edge> {
         Edge { start, end, path: listed.path(k), side: k, loop_index: 0, reversed: false, drawn: [0.0, 1.0] }
     };
     (0..corners.len()).map(edge).collect()
+}
+
+/// The diagonal of the box about some edges.
+fn diagonal(edges: &[Edge]) -> f64 {
+    let points: Vec<[f64; 2]> = edges.iter().flat_map(Edge::extent).collect();
+    let width = |i: usize| {
+        let of = points.iter().map(|x| x[i]);
+        of.clone().fold(f64::NEG_INFINITY, f64::max) - of.fold(f64::INFINITY, f64::min)
+    };
+    width(0).hypot(width(1))
 }
 
 /// Area and centre of mass as sums over the triangles that the edges span with one corner.

@@ -92,12 +92,12 @@ impl Problem {
     /// Distance below which points of both sides of an interface are one: 1e-6 of the smaller body, and the rounding of
     /// coordinates far from the origin.
     pub fn coincidence(&self, interface: &Interface) -> f64 {
-        (COINCIDE * self.smaller_extent(interface)).max(4e-15 * self.farthest())
+        (COINCIDE * self.smaller_diagonal(interface)).max(4e-15 * self.farthest())
     }
 
-    fn smaller_extent(&self, interface: &Interface) -> f64 {
+    fn smaller_diagonal(&self, interface: &Interface) -> f64 {
         let sides = interface.sides.iter().chain(self.facing_sides(interface));
-        sides.map(|&side| self.extent(self.body_of_side(side))).fold(f64::INFINITY, f64::min)
+        sides.map(|&side| self.outline.diagonal_of_body(self.body_of_side(side))).fold(f64::INFINITY, f64::min)
     }
 
     /// E* of the body of an edge, E/(1-ν²); in contact with another body both deform: 1/E* is the sum of both.
@@ -164,18 +164,6 @@ impl Problem {
     /// Largest coordinate.
     fn farthest(&self) -> f64 {
         self.outline.edges().iter().flat_map(|edge| edge.start).fold(0.0, |m: f64, x| m.max(x.abs()))
-    }
-
-    /// Diagonal of the box about the boundary of a body.
-    pub fn extent(&self, body: usize) -> f64 {
-        let Some(loops) = self.outline.bodies().get(body) else { return 0.0 };
-        let edges = loops.clone().flat_map(|l| &self.outline.edges()[self.outline.loops()[l].clone()]);
-        let points: Vec<[f64; 2]> = edges.flat_map(Edge::extent).collect();
-        let width = |i: usize| {
-            let of = points.iter().map(|x| x[i]);
-            of.clone().fold(f64::NEG_INFINITY, f64::max) - of.fold(f64::INFINITY, f64::min)
-        };
-        width(0).hypot(width(1))
     }
 
     /// E* of the body of an edge, by which its sides are paired with others.

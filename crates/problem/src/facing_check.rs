@@ -187,11 +187,12 @@ impl Problem {
     /// What is wrong: the two bodies, the deepest of the examined points, and how deep it lies.
     pub(super) fn check_overlaps(&self) -> Result<(), (String, String)> {
         let bodies = self.outline.bodies().len();
+        let diagonal = |body| self.outline.diagonal_of_body(body);
         let pairs = (0..bodies).flat_map(|a| (0..bodies).filter(move |&b| b != a).map(move |b| (a, b)));
         for (a, b) in pairs {
             let deepest = self.boundary_in(a, b).max_by(|(_, one), (_, two)| one.total_cmp(two));
             let Some(([x, y], depth)) = deepest else { continue };
-            if depth > OVERLAP * self.extent(b).min(self.extent(a)) {
+            if depth > OVERLAP * diagonal(b).min(diagonal(a)) {
                 let (a, b, depth) = (&self.bodies[a].name, &self.bodies[b].name, rounded(depth));
                 return Err((
                     format!("the point ({x}, {y}) of body {a:?} lies {depth} deep in body {b:?}"),
@@ -207,7 +208,7 @@ impl Problem {
 
     /// Points of the boundary of body `a` that lie in body `b`, and how deep.
     fn boundary_in(&self, a: usize, b: usize) -> impl Iterator<Item = ([f64; 2], f64)> {
-        let inset = INSET * self.extent(a);
+        let inset = INSET * self.outline.diagonal_of_body(a);
         // on the boundary, and a little inside: bodies may share all of their boundaries
         let look = move |edge: &Edge, k: usize| {
             let s = (k / 2) as f64 / LOOKS as f64 + 0.5 / LOOKS as f64;
