@@ -119,6 +119,11 @@ impl Structure {
         self.symbolic.perm().map_or_else(|| (0..self.pattern.size()).collect(), |p| p.arrays().0.to_vec())
     }
 
+    /// Number of entries of the factor, zeros in its supernodes included.
+    pub fn factor_entries(&self) -> usize {
+        self.symbolic.len_val()
+    }
+
     /// Factorises the matrix with these entries, and checks that the factor solves a system of it.
     ///
     /// # Errors
@@ -144,14 +149,13 @@ impl Structure {
     #[inline(never)]
     pub fn factorise(&self, entries: &[f64], par: Par) -> Result<SparseCholesky, NoSparseFactor> {
         let size = self.pattern.size();
-        if self.symbolic.len_val() > LARGE
-            && available().is_some_and(|bytes| 8 * self.symbolic.len_val() as u64 > bytes)
-        {
+        let count = self.factor_entries();
+        if count > LARGE && available().is_some_and(|bytes| 8 * count as u64 > bytes) {
             return Err(NoSparseFactor::Memory);
         }
         let mut values = Vec::new();
-        values.try_reserve_exact(self.symbolic.len_val()).map_err(|_| NoSparseFactor::Memory)?;
-        values.resize(self.symbolic.len_val(), 0.0);
+        values.try_reserve_exact(count).map_err(|_| NoSparseFactor::Memory)?;
+        values.resize(count, 0.0);
         let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(par, Default::default());
         let mut memory_of = MemBuffer::try_new(scratch).map_err(|_| NoSparseFactor::Memory)?;
         let matrix = SparseColMatRef::new(self.pattern.view(), entries);

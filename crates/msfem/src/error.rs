@@ -75,7 +75,7 @@ pub enum MsfemError {
 
 impl MsfemError {
     /// The error of a matrix of so many unknowns that has no factor.
-    pub(crate) fn of_factor(none: NoSparseFactor, size: usize) -> Self {
+    pub fn of_factor(none: NoSparseFactor, size: usize) -> Self {
         match none {
             NoSparseFactor::Memory => Self::Memory { size },
             NoSparseFactor::Pivot(unknown) => Self::Singular { unknown, size },

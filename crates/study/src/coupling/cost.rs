@@ -2,15 +2,9 @@
 
 use std::time::Instant;
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
-use faer::perm::PermRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, Mat, MatMut, Side};
+use faer::{Mat, MatMut};
 use sprs::CsMat;
+use steklov_algebra::{Pattern, Structure};
 use steklov_bem_operators::{Domain, Polygon, Steklov};
 use steklov_coupling::{CouplingError, Form, Interior, Radiation, Transmission};
 use steklov_msfem::MsfemError;
@@ -93,7 +87,7 @@ fn cost(exact: &Manufactured<'_>, level: &Level, repeat: usize) -> Result<Cost, 
     let jump = exterior.space.interpolate(|x| exact.jump(x));
     let order = boundary_last(&interior);
     let n = level.trace as f64;
-    let eliminated = Matrix::new(&interior.stiffness).structure(Some(&order))?.len_val() as f64 + 3.0 * n * n;
+    let eliminated = structure(&interior.stiffness, Some(&order))?.0.factor_entries() as f64 + 3.0 * n * n;
     let (mut seconds, mut entries) = ([const { Vec::new() }; 3], [eliminated, 0.0, 0.0]);
     let (mut steklov, mut solutions) = (Vec::new(), [const { Vec::new() }; 3]);
     for _ in 0..repeat {
@@ -102,7 +96,7 @@ fn cost(exact: &Manufactured<'_>, level: &Level, repeat: usize) -> Result<Cost, 
         let solved = Transmission::new(given, &exterior)?.solve(&jump, Form::Schur, Radiation::Decaying)?;
         seconds[0].push(start.elapsed().as_secs_f64());
         solutions[0] = solved.displacement;
-        for (way, order) in [(1, Some(&order)), (2, None)] {
+        for (way, order) in [(1, Some(&order[..])), (2, None)] {
             let start = Instant::now();
             let s = Steklov::new(exterior.operators.clone(), Domain::Exterior)?.matrix;
             steklov.push(start.elapsed().as_secs_f64());
@@ -138,7 +132,7 @@ fn inserted(
     interior: &Interior,
     s: &Mat<f64>,
     jump: &[f64],
-    order: Option<&Vec<usize>>,
+    order: Option<&[usize]>,
 ) -> Result<(Vec<f64>, usize), MsfemError> {
     let size = interior.load.len();
     let unknowns = &interior.trace.unknowns;
@@ -154,75 +148,31 @@ fn inserted(
     }
     (0..size).for_each(|row| start[row + 1] += start[row]);
     let block = CsMat::new((size, size), start, columns, values);
-    let matrix = Matrix::new(&(&interior.stiffness + &block));
     let mut u = interior.load.clone();
     for (i, &row) in unknowns.iter().enumerate() {
         u[row] += jump.iter().enumerate().map(|(j, u0)| s[(i, j)] * u0).sum::<f64>();
     }
-    let structure = matrix.structure(order)?;
-    matrix.solve(&structure, &mut u)?;
-    Ok((u, structure.len_val()))
+    let (structure, entries) = structure(&(&interior.stiffness + &block), order)?;
+    let par = faer::get_global_parallelism();
+    let factor = structure.factorise(&entries, par).map_err(|none| MsfemError::of_factor(none, size))?;
+    factor.solve(MatMut::from_column_major_slice_mut(&mut u, size, 1), par);
+    Ok((u, structure.factor_entries()))
 }
 
-/// The lower triangle of a symmetric matrix, by columns.
-struct Matrix {
-    start: Vec<usize>,
-    rows: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Matrix {
-    /// The matrix from one stored by rows, both triangles.
-    fn new(full: &CsMat<f64>) -> Self {
-        let mut this = Self { start: vec![0], rows: Vec::new(), values: Vec::new() };
-        for (j, line) in full.outer_iterator().enumerate() {
-            for (i, &value) in line.iter().filter(|(i, _)| *i >= j) {
-                this.rows.push(i);
-                this.values.push(value);
-            }
-            this.start.push(this.rows.len());
+/// The structure of the factor of a symmetric matrix that is stored with both triangles, in an order or by approximately minimum
+/// degree, and the entries of the matrix in its lower triangle, column by column.
+fn structure(full: &CsMat<f64>, order: Option<&[usize]>) -> Result<(Structure, Vec<f64>), MsfemError> {
+    let (mut pattern, mut entries) = (Pattern { start: vec![0], rows: Vec::new() }, Vec::new());
+    for (j, line) in full.outer_iterator().enumerate() {
+        for (i, &value) in line.iter().filter(|(i, _)| *i >= j) {
+            pattern.rows.push(i);
+            entries.push(value);
         }
-        this
+        pattern.start.push(entries.len());
     }
-
-    fn size(&self) -> usize {
-        self.start.len() - 1
-    }
-
-    fn pattern(&self) -> SymbolicSparseColMatRef<'_, usize> {
-        SymbolicSparseColMatRef::new_checked(self.size(), self.size(), &self.start, None, &self.rows)
-    }
-
-    /// The structure of its factor, in a given order or by approximate minimum degree.
-    fn structure(&self, order: Option<&Vec<usize>>) -> Result<SymbolicCholesky<usize>, MsfemError> {
-        let size = self.size();
-        let mut inverse = vec![0; size];
-        order.into_iter().flatten().enumerate().for_each(|(k, &unknown)| inverse[unknown] = k);
-        let ordering = match order {
-            Some(order) => SymmetricOrdering::Custom(PermRef::new_checked(order, &inverse, size)),
-            None => SymmetricOrdering::Amd,
-        };
-        factorize_symbolic_cholesky(self.pattern(), Side::Lower, ordering, CholeskySymbolicParams::default())
-            .map_err(|_| MsfemError::Memory { size })
-    }
-
-    /// Solves in place by Cholesky factorisation with all threads.
-    fn solve(&self, structure: &SymbolicCholesky<usize>, right: &mut [f64]) -> Result<(), MsfemError> {
-        let (size, par) = (self.size(), faer::get_global_parallelism());
-        let scratch = structure.factorize_numeric_llt_scratch::<f64>(par, Default::default());
-        let mut memory = MemBuffer::new(scratch.or(structure.solve_in_place_scratch::<f64>(1, par)));
-        let mut factor = vec![0.0; structure.len_val()];
-        let matrix = SparseColMatRef::new(self.pattern(), &self.values[..]);
-        let regular = LltRegularization::default();
-        let stack = MemStack::new(&mut memory);
-        structure
-            .factorize_numeric_llt(&mut factor, matrix, Side::Lower, regular, par, stack, Default::default())
-            .map_err(|LltError::NonPositivePivot { index }| {
-                let unknown = structure.perm().map_or(index, |p| p.arrays().0[index]);
-                MsfemError::Singular { unknown, size }
-            })?;
-        let right = MatMut::from_column_major_slice_mut(right, size, 1);
-        LltRef::new(structure, &factor).solve_in_place_with_conj(Conj::No, right, par, MemStack::new(&mut memory));
-        Ok(())
-    }
+    let structure = match order {
+        Some(order) => Structure::new(pattern, order),
+        None => Structure::by_minimum_degree(pattern),
+    };
+    Ok((structure.map_err(|none| MsfemError::of_factor(none, full.rows()))?, entries))
 }
