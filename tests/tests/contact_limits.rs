@@ -7,7 +7,7 @@ use steklov_contact::{Condition, ContactError, ContactNode, Problem};
 use steklov_model::error::SolveError;
 use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_problem::Scene;
-use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene};
+use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene, summary};
 
 fn parsed(case: &Case) -> Scene {
     parse(&case.toml(&View::PLAIN), &[]).unwrap_or_else(|e| panic!("{}", e.render()))
@@ -415,4 +415,21 @@ fn contact_all_around_is_uniform_compression() {
         let exact = vec![200.0 / (1.3 * 0.4) * 0.002; a.rows.len()];
         close("pressures", off(&exact, &pressures(&a)), 1e-11);
     }
+}
+
+/// A strip between rollers so narrow that its floor has one element in the first mesh: both of its ends are held, and the element is
+/// halved for a node that carries the multiplier. Pressed on all of its floor, the force is the load.
+#[test]
+fn a_floor_of_one_element_between_rollers_is_solved() {
+    let text =
+        "body = { corners = [[0, 0], [0.05, 0], [0.05, 3], [0, 3]], sides = [\"floor\", \"right\", \"top\", \"left\"] }
+        material = { young = 1, poisson = 0.3 }
+        sides.floor.contact = {}
+        sides.left.displacement = [0, \"free\"]
+        sides.right.displacement = [0, \"free\"]
+        sides.top.pressure = 0.01\n";
+    let told = summary(&parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render())));
+    let contact = told.contact.as_ref().expect("contact");
+    assert!(told.converged && (contact.force[1] - 5e-4).abs() < 1e-14, "{contact:?}");
+    assert!((contact.length - 0.05).abs() < 1e-15 && (contact.max_pressure - 0.01).abs() < 1e-12, "{contact:?}");
 }

@@ -162,6 +162,60 @@ fn forces_between_bodies_are_inside_their_bars() {
     }
 }
 
+/// Two pairs of Westergaard's strips, each pressed against its mirror image: with the part 2a of each period in contact the largest
+/// pressures are 2 p* sin πa, p* = π E* Δ for the gap Δ (1 - cos 2πx) of each strip. Floors of one element have nodes for multipliers.
+///
+/// Source: Westergaard (1939).
+#[test]
+fn largest_pressures_of_interfaces_are_inside_their_bars() {
+    let full = std::f64::consts::PI / 0.91 * 0.01;
+    let strip = |name: &str, x: f64, [low, high]: [f64; 2]| {
+        format!(
+            "[[body]]\nname = \"{name}\"\ncorners = [[{x}, {low}], [{}, {low}], [{}, {high}], [{x}, {high}]]\n\
+             sides = [\"bottom\", \"right\", \"top\", \"left\"]\n",
+            x + 0.5,
+            x + 0.5
+        )
+    };
+    let pair = |[upper, lower]: [&str; 2], x: f64, a: f64| {
+        let pressure = full * (std::f64::consts::PI * a).sin().powi(2);
+        let rollers = [upper, lower].map(|name| {
+            format!("[sides.{name}]\nleft.displacement = [0, \"free\"]\nright.displacement = [0, \"free\"]\n")
+        });
+        format!(
+            "[[interface]]\nbetween = [\"{upper}.bottom\", \"{lower}.top\"]\ncontact.gap = \"0.02*(1 - cos(2*pi*(x - {x})))\"\n\
+             {}top.pressure = {pressure:e}\n{}bottom.pressure = {pressure:e}\n",
+            rollers[0], rollers[1]
+        )
+    };
+    let bodies = [("u", 0.0, [0.0, 3.0]), ("v", 0.0, [-3.0, 0.0]), ("s", 2.0, [0.0, 3.0]), ("t", 2.0, [-3.0, 0.0])];
+    let bodies: String = bodies.into_iter().map(|(name, x, y)| strip(name, x, y)).collect();
+    let text = format!(
+        "material = {{ young = 1, poisson = 0.3 }}\n{bodies}{}{}",
+        pair(["u", "v"], 0.0, 0.25),
+        pair(["s", "t"], 2.0, 0.15)
+    );
+    let exact = [0.25, 0.15].map(|a| 2.0 * full * (std::f64::consts::PI * a).sin());
+    let mut bars = Vec::new();
+    for tolerance in ["1e-2", "1e-3", "1e-5"] {
+        let settings = format!("method.tolerance={tolerance}");
+        let own = solved(&parse(&text, &[&settings]).unwrap_or_else(|e| panic!("{}\n{text}", e.render())));
+        for (number, exact) in exact.into_iter().enumerate() {
+            let told = quantity(&own, &format!("interfaces.{number}.max_pressure"));
+            let (error, bar) = ((told.value - exact).abs(), told.uncertainty);
+            println!(
+                "{tolerance} interface {number}: {} ± {bar:.1e}, off by {error:.1e} {:?}",
+                told.value, told.doubts
+            );
+            assert!(error <= 2.0 * bar && told.doubts.is_empty(), "{tolerance} {number}: {error:e} and {bar:e}");
+            assert_eq!(own.interfaces[number].max_pressure, Some(told.value));
+            bars.push(bar);
+        }
+        assert_eq!(quantity(&own, "contact.max_pressure"), quantity(&own, "interfaces.0.max_pressure"));
+    }
+    assert!(bars[..2].iter().zip(&bars[4..]).all(|(first, last)| 20.0 * last < *first), "{bars:?}");
+}
+
 /// Where the answer is exact the bar is that of rounding, and nothing is in doubt.
 #[test]
 fn exact_answers_have_bars_of_rounding() {

@@ -164,14 +164,6 @@ const HIDDEN: &[Hidden] = &[
         line: 18,
         parts: &["the first mesh has 32 dofs", "max_dofs = 31", "fewer elements or a lower degree"],
     },
-    Hidden {
-        edits: &[(
-            "elements = 8",
-            "elements = 4\n[sides.left]\ndisplacement = [0, 0]\n[sides.right]\ndisplacement = [0, 0]",
-        )],
-        line: 18,
-        parts: &["degree 1", "side \"floor\"", "elements = 4", "raise method.degree to 2"],
-    },
 ];
 
 #[test]

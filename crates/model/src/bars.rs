@@ -26,7 +26,7 @@ use crate::contact_length::extracts_ends;
 use crate::estimate::error_estimate::{Bubble, Estimate, ROUNDOFF, UNRESOLVED};
 use crate::grid::{GridQuantity, GridSolved};
 use crate::named::components;
-use crate::quantities::{EstimatedQuantity, OF_POINT, forces, forces_between, has_contact};
+use crate::quantities::{EstimatedQuantity, OF_POINT, forces, forces_between, has_contact, peaks};
 
 /// How far the exact value may be, over the part that the enriched spaces see.
 pub(crate) const OF_DIFFERENCE: f64 = 1.2;
@@ -67,8 +67,8 @@ pub(crate) enum Of {
     Interface(usize),
     /// One of the named quantities.
     Named(usize),
-    /// The largest pressure of contact.
-    Peak,
+    /// The largest pressure of all contact, or of an interface between bodies.
+    Peak(Option<usize>),
     /// The length of contact.
     Length,
 }
@@ -115,8 +115,9 @@ fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
         let paths = if components(kind) == 2 { ["x", "y"].map(|i| format!("{path}.{i}")).to_vec() } else { vec![path] };
         add(Of::Named(k), sort, paths);
     }
-    if has_contact(scene) {
-        add(Of::Peak, Kind::Stress, vec!["contact.max_pressure".to_owned()]);
+    for peak in peaks(scene) {
+        let of = peak.map_or("contact".to_owned(), |number| format!("interfaces.{number}"));
+        add(Of::Peak(peak), Kind::Stress, vec![format!("{of}.max_pressure")]);
     }
     if extracts_ends(scene) {
         add(Of::Length, Kind::Displacement, vec!["contact.length".to_owned()]);
@@ -192,7 +193,7 @@ impl Bars {
                 }
                 None => (OF_SINGLE * seen(last, k)).max(quantity.weighted.map_or(0.0, |[sum, _]| sum)),
             };
-            let is_pressure = matches!(entries[k], Entry { of: Of::Named(_) | Of::Peak, kind: Kind::Stress, .. });
+            let is_pressure = matches!(entries[k], Entry { of: Of::Named(_) | Of::Peak(_), kind: Kind::Stress, .. });
             [if is_pressure { enriched } else { value }, uncertainty]
         };
         let values = last.quantities.iter().enumerate().map(of).collect();

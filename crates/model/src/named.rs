@@ -68,9 +68,13 @@ impl OnMesh<'_> {
         self.on_edge(edge, s, |e, t| -dot(field.traction(e, t), self.mesh.normal(e, t)))
     }
 
-    /// The edge and its parameter at which the pressure of contact is largest.
-    pub(crate) fn most_pressed(&self, field: &ElasticField<'_>) -> Option<(usize, f64)> {
-        let touching = (0..self.mesh.len()).filter(|&e| self.scene.contact(self.mesh.side[e]).is_some());
+    /// The edge and its parameter at which the pressure of contact is largest, on some of the sides in contact.
+    pub(crate) fn most_pressed(
+        &self,
+        field: &ElasticField<'_>,
+        is_pressed: impl Fn(usize) -> bool,
+    ) -> Option<(usize, f64)> {
+        let touching = (0..self.mesh.len()).filter(|&e| is_pressed(self.mesh.side[e]));
         let at = |e: usize, t: f64| {
             let [a, b] = self.mesh.span[e];
             let s = a + (b - a) * (1.0 + t) / 2.0;

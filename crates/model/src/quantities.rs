@@ -15,7 +15,7 @@ use crate::doubt::Doubt;
 use crate::reacting::{shared, works_alone};
 use crate::solve::contact_rows::{ContactRow, TOUCHING};
 use crate::solve::fields::ElasticField;
-use crate::summary::{Named, Probe};
+use crate::summary::{InterfaceSummary, Named, Probe};
 
 /// Uncertainties below this many rounding errors are of no concern at corners.
 const SMALL: f64 = 100.0;
@@ -97,6 +97,33 @@ pub(crate) fn has_contact(scene: &Scene) -> bool {
     scene.contacts().next().is_some() && scene.method.multiplier == Multiplier::Biorthogonal
 }
 
+/// The contact whose largest pressure is a quantity: all of it (None), and where that is not all, that of each interface between bodies,
+/// by its number.
+pub(crate) fn peaks(scene: &Scene) -> Vec<Option<usize>> {
+    if !has_contact(scene) {
+        return Vec::new();
+    }
+    let part = contact_between(scene).filter(|(_, own)| !is_all_contact(scene, own));
+    std::iter::once(None).chain(part.map(|(number, _)| Some(number))).collect()
+}
+
+/// Whether a side carries the contact of [`peaks`].
+pub(crate) fn is_of_peak(scene: &Scene, peak: Option<usize>, side: usize) -> bool {
+    match peak {
+        None => scene.contact(side).is_some(),
+        Some(number) => scene.problem.joints().nth(number).is_some_and(|own| own.sides.contains(&side)),
+    }
+}
+
+/// The interfaces of contact between bodies, with their numbers.
+fn contact_between(scene: &Scene) -> impl Iterator<Item = (usize, &Interface)> {
+    scene.problem.joints().enumerate().filter(|(_, own)| matches!(own.law, Law::Contact(_)))
+}
+
+fn is_all_contact(scene: &Scene, interface: &Interface) -> bool {
+    scene.contacts().all(|(side, _)| interface.sides.contains(&side))
+}
+
 /// The forces of sides, with their numbers, whose error bars are known: of supports and rigid obstacles, without those of springs.
 pub(crate) fn forces<'a>(
     scene: &'a Scene,
@@ -176,6 +203,8 @@ pub(crate) struct Told<'a> {
     pub near: &'a [bool],
     /// The largest pressure of a node, if it is not zero and no stress on a side in contact infinite.
     pub peak: Option<f64>,
+    /// The interfaces between bodies.
+    pub interfaces: &'a [InterfaceSummary],
     /// Strain energy and load work.
     pub parts_of_energy: [f64; 2],
     /// The forces of sides.
@@ -222,8 +251,12 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
             doubt(&mut quantity, Doubt::Data);
         }
         match entry.of {
-            Of::Peak => {
-                let Some(at_node) = told.peak.filter(|_| value.is_finite() && uncertainty.is_finite()) else {
+            Of::Peak(of) => {
+                let at_node = told.peak.and_then(|all| match of {
+                    None => Some(all),
+                    Some(number) => told.interfaces.get(number)?.max_pressure.filter(|own| *own > 0.0),
+                });
+                let Some(at_node) = at_node.filter(|_| value.is_finite() && uncertainty.is_finite()) else {
                     continue;
                 };
                 // an exact pressure has more digits at nodes than as a traction
@@ -290,6 +323,12 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
     if let Some(force) = told.force {
         of_contact(scene, &mut quantities, force);
     }
+    let whole = contact_between(scene).find(|(_, own)| is_all_contact(scene, own));
+    if let Some((number, peak)) =
+        whole.and_then(|(number, _)| Some((number, quantities.get("contact.max_pressure")?.clone())))
+    {
+        quantities.insert(format!("interfaces.{number}.max_pressure"), peak);
+    }
     quantities
 }
 
@@ -338,10 +377,9 @@ fn of_carrying_sides(scene: &Scene, quantities: &mut Quantities, reactions: &[(S
 /// Gives the force of all contact its error bar, the sum of those of its sides and interfaces, where all of them have one.
 fn of_contact(scene: &Scene, quantities: &mut Quantities, force: [f64; 2]) {
     let rigid = scene.contacts().filter(|&(side, _)| scene.problem.joint(side).is_none());
-    let between = scene.problem.joints().enumerate().filter(|(_, own)| matches!(own.law, Law::Contact(_)));
     let parts: Vec<String> = rigid
         .map(|(side, _)| format!("reactions.{}", scene.problem.sides[side].name))
-        .chain(between.map(|(number, _)| format!("interfaces.{number}.force")))
+        .chain(contact_between(scene).map(|(number, _)| format!("interfaces.{number}.force")))
         .collect();
     for (component, value) in ["x", "y"].into_iter().zip(force) {
         let own: Option<Vec<&Quantity>> =

@@ -204,7 +204,7 @@ pub struct InterfaceSummary {
     pub stick: Option<f64>,
     /// The rest; null for ties.
     pub slip: Option<f64>,
-    /// Largest nodal pressure; null for ties.
+    /// Largest pressure: where `quantities` has its error bar that of the enriched spaces, else that of a node; null for ties.
     pub max_pressure: Option<f64>,
     /// Force on the body that is named first.
     pub force: [f64; 2],

@@ -327,6 +327,14 @@ fn of_interface(s: &Summary, number: usize, i: &InterfaceSummary) -> Vec<Row> {
         let value = vec![Number(stick, DIGITS), Words(", ".into()), Number(slip, DIGITS)];
         rows.push(row(format!("interface {}: sticks, slips", i.name), value, Unit::Length, vec![]));
     }
+    // where the largest one is infinite, the row of all contact says so
+    let bounded = s.contact.as_ref().is_some_and(|contact| !contact.max_pressure_unbounded);
+    if let Some(pressure) = i.max_pressure.filter(|_| bounded) {
+        let bar = s.quantities.get(&format!("interfaces.{number}.max_pressure"));
+        let known = bar
+            .map_or_else(|| words("at a node; not estimated by itself"), |told| within("± ", told.uncertainty, 2, ""));
+        rows.push(row(format!("interface {}: largest pressure", i.name), one(pressure), Unit::Stress, known));
+    }
     let first = format!("interface {}: force on the body named first", i.name);
     let known = of_force(s, &format!("interfaces.{number}.force"), i.audit.map(|a| a.equilibrium));
     rows.push(row(first, vector(i.force), Unit::Force, known));

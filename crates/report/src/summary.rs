@@ -191,8 +191,9 @@ fn interfaces(s: &Summary, lines: &mut Lines) {
         let stick = i.stick.map_or(String::new(), |stick| format!(", stick {}", part(stick, i.length)));
         // where the largest one is infinite, the line above says so
         let bounded = s.contact.as_ref().is_some_and(|contact| !contact.max_pressure_unbounded);
-        let pressure =
-            i.max_pressure.filter(|_| bounded).map_or(String::new(), |p| format!(", largest pressure {}", usual(p)));
+        let bar = s.quantities.get(&format!("interfaces.{number}.max_pressure")).map(|told| told.uncertainty);
+        let told = |p| format!(", largest pressure {}", one_with_bar(p, bar, p));
+        let pressure = i.max_pressure.filter(|_| bounded).map_or(String::new(), told);
         let (length, force) =
             (usual(i.length), force_with_bars(s, i.force, &format!("interfaces.{number}.force"), 0.0));
         lines.say("interface", format!("{}: {}, length {length}{stick}{pressure}, force {force}", i.name, i.kind));

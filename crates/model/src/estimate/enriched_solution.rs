@@ -92,8 +92,9 @@ pub(crate) fn both(
         let works = data.works_with(&solved.works, &change);
         both.extend(pair(data.named(&solved.elastic_field(), &solved.works), data.named(plus, &works)));
     }
-    let peak = plus.as_ref().and_then(|plus| data.most_pressed(plus));
-    if quantities::has_contact(scene) {
+    let most_pressed = |peak| data.most_pressed(plus.as_ref()?, |side| quantities::is_of_peak(scene, peak, side));
+    let peaks: Vec<Option<(usize, f64)>> = quantities::peaks(scene).into_iter().map(most_pressed).collect();
+    for &peak in &peaks {
         let at = |field: &ElasticField<'_>| peak.map_or(f64::NAN, |place| data.pressure_on(field, place));
         both.push([at(&solved.elastic_field()), plus.as_ref().map_or(f64::NAN, at)]);
     }
@@ -103,7 +104,7 @@ pub(crate) fn both(
     }
     both.extend(length_of_contact(scene, tips, &ends));
     let mut functionals = if has_duals(scene, tips, &ends) {
-        data.functionals(solved, (field.as_ref(), around.as_ref()), peak)
+        data.functionals(solved, (field.as_ref(), around.as_ref()), &peaks)
     } else {
         Vec::new()
     };

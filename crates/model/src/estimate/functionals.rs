@@ -49,12 +49,12 @@ impl LinearFunctional {
 
 impl OnMesh<'_> {
     /// The functionals of all quantities, for fields of the degrees of `field`, without one those of forces alone; None for those that have
-    /// none. The pressure is largest at `peak`.
+    /// none. The pressures are largest at `peaks`.
     pub(crate) fn functionals(
         &self,
         solved: &Solved,
         (field, around): (Option<&Field>, Option<&MediumField>),
-        peak: Option<(usize, f64)>,
+        peaks: &[Option<(usize, f64)>],
     ) -> Vec<Option<LinearFunctional>> {
         let scene = self.scene;
         let along = |i: usize| [0, 1].map(|k| f64::from(u8::from(i == k)));
@@ -86,7 +86,7 @@ impl OnMesh<'_> {
                 QuantityKind::OpeningAt(x) => all.push(self.of_opening(field, x)),
             }
         }
-        all.extend(quantities::has_contact(scene).then(|| peak.map(|place| self.of_pressure(field, place))));
+        all.extend(peaks.iter().map(|peak| peak.map(|place| self.of_pressure(field, place))));
         all.extend(extracts_ends(scene).then_some(None));
         all
     }

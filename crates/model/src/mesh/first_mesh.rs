@@ -3,8 +3,9 @@
 use steklov_bem_operators::{CutPlan, Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
 use steklov_elastic::plane::{angle, minus};
 use steklov_expression::{Expression, OnEdge, Track};
-use steklov_problem::{Condition, Law, Refine, Scene, Span, Springs};
+use steklov_problem::{Condition, Interface, Law, Refine, Scene, Span, Springs};
 
+use crate::answer::wedges::is_straight;
 use crate::mesh::automatic_cuts::{automatic_cuts, continuation, first_error, is_smooth};
 use crate::mesh::layout::Layout;
 
@@ -116,15 +117,36 @@ fn with_first_degrees(subdivision: Subdivision, scene: &Scene) -> Subdivision {
     raised
 }
 
-/// Halves elements that are all of a tied part of an edge: both of their ends may have no multipliers.
+/// Halves elements that are all of a part of an edge that is tied or in contact, if both of their ends may have no multipliers: those of
+/// ties, and corners beside a side that is held or carries contact too.
 fn halve_single(subdivision: &mut Subdivision, scene: &Scene) {
-    for interface in scene.problem.joints().filter(|interface| matches!(interface.law, Law::Tied(_))) {
-        for Span { edge, s: [a, b] } in scene.problem.spans(interface) {
-            let inside = |p: &&Piece| p.start > a - SAME_PLACE && p.end < b + SAME_PLACE;
-            let alone: Vec<Piece> = subdivision.edges[edge].iter().filter(inside).copied().collect();
-            if let [piece] = alone.as_slice() {
-                subdivision.insert(edge, (piece.start + piece.end) / 2.0, &[], 0.0);
-            }
+    let problem = &scene.problem;
+    let edges = problem.outline.edges();
+    let beside = |edge: usize, at_end: bool| {
+        let other = &edges[problem.outline.neighbour(edge, at_end).0];
+        // forward along the loop
+        let before = at_end == edges[edge].reversed;
+        let [first, second] = if before { [other, &edges[edge]] } else { [&edges[edge], other] };
+        let is_held = matches!(problem.sides[other.side].condition, Condition::Displacement { .. });
+        is_held || problem.contact(other.side).is_some() && !is_straight(first, second)
+    };
+    let may_lack = |of: &Span| {
+        let [a, b] = of.s;
+        a == 0.0 && b == 1.0 && [false, true].into_iter().all(|at_end| beside(of.edge, at_end))
+    };
+    let tied = |own: &&Interface| matches!(own.law, Law::Tied(_));
+    let of_ties = problem.joints().filter(tied).flat_map(|own| problem.spans(own));
+    let between = problem.joints().filter(|own| !tied(own)).flat_map(|own| problem.spans(own)).filter(may_lack);
+    let on_obstacles = (0..edges.len()).map(|edge| Span { edge, s: [0.0, 1.0] });
+    let on_obstacles = on_obstacles.filter(|of| {
+        let side = edges[of.edge].side;
+        problem.joint(side).is_none() && problem.contact(side).is_some() && may_lack(of)
+    });
+    for Span { edge, s: [a, b] } in of_ties.chain(between).chain(on_obstacles) {
+        let inside = |p: &&Piece| p.start > a - SAME_PLACE && p.end < b + SAME_PLACE;
+        let alone: Vec<Piece> = subdivision.edges[edge].iter().filter(inside).copied().collect();
+        if let [piece] = alone.as_slice() {
+            subdivision.insert(edge, (piece.start + piece.end) / 2.0, &[], 0.0);
         }
     }
 }

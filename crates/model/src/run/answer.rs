@@ -17,7 +17,9 @@ use crate::run::report::{OfMeans, Report};
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, contact_rows};
 use crate::stochastic::{self, StochasticResult};
-use crate::summary::{Audit, ContactSummary, MediumSummary, SecondsSummary, Summary, peak_memory_bytes};
+use crate::summary::{
+    Audit, ContactSummary, InterfaceSummary, MediumSummary, SecondsSummary, Summary, peak_memory_bytes,
+};
 
 impl Summary {
     /// The numbers of a run, with all outcomes of its random input if they were solved.
@@ -92,6 +94,7 @@ pub fn answer<M: Model>(
         length,
         rows,
         peak,
+        interfaces: &report.interfaces,
         doubts: &doubts,
     };
     let mut of_means = Quantities::new();
@@ -101,6 +104,11 @@ pub fn answer<M: Model>(
     }
     let mut quantities = quantities(scene, &report.bars, told);
     quantities.extend(of_means);
+    let with_peak = |(number, told): (usize, InterfaceSummary)| {
+        let peak = quantities.get(&format!("interfaces.{number}.max_pressure")).map(|peak| peak.value);
+        InterfaceSummary { max_pressure: peak.or(told.max_pressure), ..told }
+    };
+    let interfaces = report.interfaces.into_iter().enumerate().map(with_peak).collect();
     let mut summary = Summary {
         title: scene.title.clone(),
         units: scene.units.clone(),
@@ -135,7 +143,7 @@ pub fn answer<M: Model>(
             ContactSummary { ends: told.ends.filter(|_| !several), max_pressure, ..told }
         }),
         bodies: report.bodies,
-        interfaces: report.interfaces,
+        interfaces,
         reach: report.reach,
         audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: report.reactions.iter().cloned().collect(),
