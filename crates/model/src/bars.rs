@@ -11,6 +11,7 @@
 //! ```
 //! |J₊ - J_k| crosses zero by accident, hardly twice in a row and hardly in all components: without a dual that of a component is a quarter of
 //! the largest one of its vector or tensor or more. The value of a pressure at a point is J₊, as tractions gain most of the enriched spaces.
+//! It depends on the contact sets: what serves without a dual problem is three times as wide.
 //! Of a single mesh, and of an exact solution, which has no step before it, the uncertainty is max(5 |J₊ - J|, s). At corners and between sides J₊
 //! removes less of the error: there stresses, and displacements where the stress is infinite, have three times the uncertainty, and the doubt
 //! `coarse`; pressures within one element of an end of contact have the doubt `transition`. Where a body has contact
@@ -36,6 +37,8 @@ const OF_CHANGE: f64 = 0.3;
 const OF_SINGLE: f64 = 5.0;
 /// The part of Σ |η_e| that a difference has at least.
 const OF_WEIGHTED: f64 = 0.5;
+/// How much wider the bar of a pressure is without a dual problem: it depends on where contact ends, which frozen sets do not see.
+const OF_PRESSURE: f64 = 3.0;
 /// Steps before the one whose dual problems are trusted: the first ones see little of crack tips and corners.
 const LEAST_BEFORE: usize = 2;
 /// Least part of the other components' differences that a component has without a dual problem.
@@ -176,13 +179,15 @@ impl Bars {
         };
         let of = |(k, quantity): (usize, &EstimatedQuantity)| {
             let &EstimatedQuantity { value, enriched, .. } = quantity;
+            let is_pressure = matches!(entries[k], Entry { of: Of::Named(_) | Of::Peak(_), kind: Kind::Stress, .. });
+            let wider = if is_pressure { OF_PRESSURE } else { 1.0 };
             let before = before.map(|before| (before, &before.quantities[k])).filter(|(_, q)| q.value.is_finite());
             let uncertainty = match before {
                 Some((before, of_before)) => {
                     let fallen = if before.error > 0.0 { (last.error / before.error).powi(2).min(1.0) } else { 1.0 };
                     let change = (value - of_before.value).abs();
                     let d = seen(last, k).max(fallen * seen(before, k));
-                    let wide = OF_DIFFERENCE * d + OF_CHANGE * change;
+                    let wide = wider * (OF_DIFFERENCE * d + OF_CHANGE * change);
                     match weighted(quantity).filter(|_| last.doubts.is_empty() && !is_early) {
                         Some((d, of_ends)) => {
                             let d = d.max(fallen * weighted(of_before).map_or(0.0, |(d, _)| d));
@@ -193,7 +198,6 @@ impl Bars {
                 }
                 None => (OF_SINGLE * seen(last, k)).max(quantity.weighted.map_or(0.0, |[sum, _]| sum)),
             };
-            let is_pressure = matches!(entries[k], Entry { of: Of::Named(_) | Of::Peak(_), kind: Kind::Stress, .. });
             [if is_pressure { enriched } else { value }, uncertainty]
         };
         let values = last.quantities.iter().enumerate().map(of).collect();
