@@ -117,32 +117,31 @@ fn with_first_degrees(subdivision: Subdivision, scene: &Scene) -> Subdivision {
     raised
 }
 
-/// Halves elements that are all of a part of an edge that is tied or in contact, if both of their ends may have no multipliers: those of
-/// ties, and corners beside a side that is held or carries contact too.
+/// Halves elements that are all of a part of an edge that is tied or, of degree 1, in contact, if both of their ends may have no
+/// multipliers: those of ties, corners beside a side that is held, and between bodies corners beside another part in contact.
 fn halve_single(subdivision: &mut Subdivision, scene: &Scene) {
     let problem = &scene.problem;
     let edges = problem.outline.edges();
-    let beside = |edge: usize, at_end: bool| {
+    let may_lack = |edge: usize, at_end: bool| {
         let other = &edges[problem.outline.neighbour(edge, at_end).0];
         // forward along the loop
         let before = at_end == edges[edge].reversed;
         let [first, second] = if before { [other, &edges[edge]] } else { [&edges[edge], other] };
         let is_held = matches!(problem.sides[other.side].condition, Condition::Displacement { .. });
-        is_held || problem.contact(other.side).is_some() && !is_straight(first, second)
-    };
-    let may_lack = |of: &Span| {
-        let [a, b] = of.s;
-        a == 0.0 && b == 1.0 && [false, true].into_iter().all(|at_end| beside(of.edge, at_end))
+        let joined = [edges[edge].side, other.side].into_iter().all(|side| problem.joint(side).is_some());
+        is_held || joined && problem.contact(other.side).is_some() && !is_straight(first, second)
     };
     let tied = |own: &&Interface| matches!(own.law, Law::Tied(_));
     let of_ties = problem.joints().filter(tied).flat_map(|own| problem.spans(own));
-    let between = problem.joints().filter(|own| !tied(own)).flat_map(|own| problem.spans(own)).filter(may_lack);
-    let on_obstacles = (0..edges.len()).map(|edge| Span { edge, s: [0.0, 1.0] });
-    let on_obstacles = on_obstacles.filter(|of| {
-        let side = edges[of.edge].side;
-        problem.joint(side).is_none() && problem.contact(side).is_some() && may_lack(of)
-    });
-    for Span { edge, s: [a, b] } in of_ties.chain(between).chain(on_obstacles) {
+    let between = problem.joints().filter(|own| !tied(own)).flat_map(|own| problem.spans(own));
+    let on_obstacle = |&edge: &usize| {
+        let side = edges[edge].side;
+        problem.joint(side).is_none() && problem.contact(side).is_some()
+    };
+    let on_obstacles = (0..edges.len()).filter(on_obstacle).map(|edge| Span { edge, s: [0.0, 1.0] });
+    let is_all = |of: &Span| of.s == [0.0, 1.0] && [false, true].into_iter().all(|at_end| may_lack(of.edge, at_end));
+    let in_contact = between.chain(on_obstacles).filter(is_all).filter(|of| subdivision.edges[of.edge][0].degree < 2);
+    for Span { edge, s: [a, b] } in of_ties.chain(in_contact).collect::<Vec<_>>() {
         let inside = |p: &&Piece| p.start > a - SAME_PLACE && p.end < b + SAME_PLACE;
         let alone: Vec<Piece> = subdivision.edges[edge].iter().filter(inside).copied().collect();
         if let [piece] = alone.as_slice() {
