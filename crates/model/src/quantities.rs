@@ -9,7 +9,7 @@ use steklov_problem::{Condition, Interface, Law, Multiplier, NamedQuantity, Quan
 
 use crate::answer::data_jumps::kinks;
 use crate::answer::probes::invariants;
-use crate::answer::wedges::is_straight;
+use crate::answer::wedges::beyond_end;
 use crate::bars::{Bars, Kind, OF_DIFFERENCE, ON_GRID, Of};
 use crate::doubt::Doubt;
 use crate::reacting::{shared, works_alone};
@@ -159,11 +159,8 @@ fn is_corner(scene: &Scene, x: [f64; 2]) -> bool {
     if !at_end && s > SAME_PLACE {
         return kinks(scene, &edges[edge]).iter().any(|kink| (kink - s).abs() <= SAME_PLACE);
     }
-    let (other, _) = outline.neighbour(edge, at_end);
-    // forward along the loop
-    let before = at_end == edges[edge].reversed;
-    let [first, second] = if before { [other, edge] } else { [edge, other] };
-    edges[first].side != edges[second].side || !is_straight(&edges[first], &edges[second])
+    let (other, is_straight) = beyond_end(outline, edge, at_end);
+    edges[edge].side != edges[other].side || !is_straight
 }
 
 /// The named quantities by their names; pressures are NaN where they are infinite.

@@ -7,7 +7,7 @@
 
 use std::f64::consts::PI;
 
-use steklov_bem_operators::Edge;
+use steklov_bem_operators::{Edge, Polygon};
 use steklov_elastic::plane::{angle, distance, minus, unit};
 use steklov_elastic::{Face, Joint, Material, Sector, Wedge};
 use steklov_problem::{Condition, Faces, Friction, Interface, Law, Scene};
@@ -404,6 +404,16 @@ fn opposite(scene: &Scene, ray: Ray, (edge, s): (usize, f64)) -> Ray {
 /// The angle of a body between an edge and the next one as the boundary is traversed.
 fn interior_angle(before: &Edge, behind: &Edge) -> f64 {
     PI - angle(direction(before, true), direction(behind, false))
+}
+
+/// The edge that meets another one at its end s = 1 (`at_end`) or s = 0, and whether the boundary has no corner there.
+pub(crate) fn beyond_end(outline: &Polygon, edge: usize, at_end: bool) -> (usize, bool) {
+    let (other, _) = outline.neighbour(edge, at_end);
+    let edges = outline.edges();
+    // forward along the loop
+    let before = at_end == edges[edge].reversed;
+    let [first, second] = if before { [other, edge] } else { [edge, other] };
+    (other, is_straight(&edges[first], &edges[second]))
 }
 
 /// Whether the boundary has no corner between an edge and the next one.

@@ -5,7 +5,7 @@ use steklov_elastic::plane::{angle, minus};
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Interface, Law, Refine, Scene, Span, Springs};
 
-use crate::answer::wedges::is_straight;
+use crate::answer::wedges::beyond_end;
 use crate::mesh::automatic_cuts::{automatic_cuts, continuation, first_error, is_smooth};
 use crate::mesh::layout::Layout;
 
@@ -123,13 +123,11 @@ fn halve_single(subdivision: &mut Subdivision, scene: &Scene) {
     let problem = &scene.problem;
     let edges = problem.outline.edges();
     let may_lack = |edge: usize, at_end: bool| {
-        let other = &edges[problem.outline.neighbour(edge, at_end).0];
-        // forward along the loop
-        let before = at_end == edges[edge].reversed;
-        let [first, second] = if before { [other, &edges[edge]] } else { [&edges[edge], other] };
-        let is_held = matches!(problem.sides[other.side].condition, Condition::Displacement { .. });
-        let joined = [edges[edge].side, other.side].into_iter().all(|side| problem.joint(side).is_some());
-        is_held || joined && problem.contact(other.side).is_some() && !is_straight(first, second)
+        let (other, is_straight) = beyond_end(&problem.outline, edge, at_end);
+        let [own, other] = [edge, other].map(|edge| edges[edge].side);
+        let is_held = matches!(problem.sides[other].condition, Condition::Displacement { .. });
+        let joined = [own, other].into_iter().all(|side| problem.joint(side).is_some());
+        is_held || joined && problem.contact(other).is_some() && !is_straight
     };
     let tied = |own: &&Interface| matches!(own.law, Law::Tied(_));
     let of_ties = problem.joints().filter(tied).flat_map(|own| problem.spans(own));
