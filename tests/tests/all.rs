@@ -18,6 +18,7 @@ mod curves;
 mod drawn_bodies;
 mod drawn_fields;
 mod edges;
+mod energy_bars;
 mod error_bars;
 mod estimators;
 mod followed_fields;

@@ -404,7 +404,7 @@ fn ties_that_end_at_a_roller_carry_the_load() {
     assert!((tie.length - 1.0).abs() < 1e-12 && (tie.force[1] + 1.0).abs() < 1e-10, "{tie:?}");
 }
 
-/// Strain energy and load work by Clapeyron's theorem, where no support moves and nothing touches.
+/// Strain energy and load work by Clapeyron's theorem; of springs and jumps of the displacement they are not known.
 #[test]
 fn energies_are_inside_their_bars() {
     // by another code
@@ -419,11 +419,7 @@ fn energies_are_inside_their_bars() {
             assert!(*uncertainty <= 10.0 * error + 5e-9, "{path} at {tolerance}: {error:e} and {uncertainty:e}");
         }
     }
-    for (name, changes) in [
-        ("block-on-floor", &[][..]),
-        ("elliptic-hole", &[]),
-        ("tied-blocks", &["sides.lower.bottom.displacement=[0, 1e-9]"]),
-    ] {
+    for (name, changes) in [("block-on-floor", &["sides.right.springs=[1, 0]"][..]), ("shrink-fit-square", &[])] {
         let own = solved(&scene(name, &[&["method.tolerance=1e-1", "expect={}"], changes].concat()));
         assert!(["strain_energy", "load_work"].iter().all(|path| !own.quantities.contains_key(*path)), "{name}");
     }

@@ -25,6 +25,7 @@ use steklov_problem::{Indicator, NamedQuantity, QuantityKind, Scene};
 use crate::answer::singular_points::singular_points;
 use crate::contact_length::extracts_ends;
 use crate::estimate::error_estimate::{Bubble, Estimate, ROUNDOFF, UNRESOLVED};
+use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
 use crate::grid::{GridQuantity, GridSolved};
 use crate::named::components;
 use crate::quantities::{EstimatedQuantity, OF_POINT, forces, forces_between, has_contact, peaks};
@@ -57,6 +58,7 @@ pub(crate) enum Kind {
     Stress,
     Force,
     Moment,
+    Energy,
 }
 
 /// Where a value stands.
@@ -74,6 +76,10 @@ pub(crate) enum Of {
     Peak(Option<usize>),
     /// The length of contact.
     Length,
+    /// The work of reactions on what they prescribe.
+    Reactions,
+    /// The work against friction.
+    Friction,
 }
 
 /// A value by its path.
@@ -128,14 +134,26 @@ fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
     entries
 }
 
+/// The works of reactions and against friction, behind the other values of boundary elements.
+fn add_works(scene: &Scene, entries: &mut Vec<Entry>) {
+    let works = [
+        (has_reaction_work(scene), Of::Reactions, "reaction_work"),
+        (has_friction_work(scene), Of::Friction, "friction_work"),
+    ];
+    for (_, of, path) in works.into_iter().filter(|(known, ..)| *known) {
+        let group = entries.len()..entries.len() + 1;
+        entries.push(Entry { path: path.to_owned(), kind: Kind::Energy, of, group });
+    }
+}
+
 /// Values with their error bars.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Bars {
     pub(crate) entries: Vec<Entry>,
     /// Value and uncertainty.
     pub(crate) values: Vec<[f64; 2]>,
-    /// Displacement, stress, force and moment of the size of the solution.
-    pub(crate) sizes: [f64; 4],
+    /// Displacement, stress, force, moment and energy of the size of the solution.
+    pub(crate) sizes: [f64; 5],
     /// ½ Σ |η_e| of J, of an estimate without doubts, above rounding errors, where J is stationary.
     pub(crate) of_energy: Option<f64>,
     /// Whether data between the nodes, with contact those of its gaps, make a good part of the error: the enriched spaces miss them too.
@@ -158,7 +176,8 @@ impl Bars {
     /// The values of the last of these steps.
     pub(crate) fn new(scene: &Scene, reactions: &[(String, [f64; 2])], estimates: &[&Estimate]) -> Self {
         let Some((last, before)) = estimates.split_last() else { return Self::default() };
-        let entries = entries(scene, reactions);
+        let mut entries = entries(scene, reactions);
+        add_works(scene, &mut entries);
         if last.quantities.len() != entries.len() {
             // of an altered file, or without any
             return Self::default();
@@ -303,12 +322,12 @@ impl Bars {
     }
 }
 
-/// Displacement, stress, force and moment of a solution with this energy norm.
-fn sizes(scene: &Scene, norm: f64) -> [f64; 4] {
+/// Displacement, stress, force, moment and energy of a solution with this energy norm.
+fn sizes(scene: &Scene, norm: f64) -> [f64; 5] {
     // energy² E = force², energy² / E = length²
     let modulus = scene.problem.bodies.iter().map(|body| body.material().young).fold(0.0, f64::max);
     let (force, diameter) = (norm * modulus.sqrt(), scene.problem.outline.diameter());
-    [force / modulus, force / diameter, force, force * diameter]
+    [force / modulus, force / diameter, force, force * diameter, norm * norm]
 }
 
 /// Σ |η_e| of J, whose dual solution is u itself: the residuals of displacement and traction have opposite signs.

@@ -12,6 +12,7 @@ use crate::answer::probes::invariants;
 use crate::answer::wedges::beyond_end;
 use crate::bars::{Bars, Kind, OF_DIFFERENCE, ON_GRID, Of};
 use crate::doubt::Doubt;
+use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
 use crate::reacting::{shared, works_alone};
 use crate::solve::contact_rows::{ContactRow, TOUCHING};
 use crate::solve::fields::ElasticField;
@@ -261,6 +262,8 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                     quantity.value = at_node;
                 }
             }
+            Of::Reactions => continue,
+            Of::Friction => {}
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {
                 Some([length, of_vertices]) => {
                     (quantity.value, quantity.uncertainty) = (length, uncertainty + of_vertices);
@@ -315,7 +318,7 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         }
         quantities.insert(entry.path.clone(), quantity);
     }
-    of_energies(scene, &mut quantities, told.parts_of_energy);
+    of_energies(scene, &mut quantities, all, told.parts_of_energy);
     of_carrying_sides(scene, &mut quantities, told.reactions);
     if let Some(force) = told.force {
         of_contact(scene, &mut quantities, force);
@@ -329,20 +332,37 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
     quantities
 }
 
-/// Gives strain energy and load work the error bar of J where they are -J and -2J, of the solution of a mesh as well: by Clapeyron's
-/// theorem where nothing but loads does work.
-fn of_energies(scene: &Scene, quantities: &mut Quantities, [strain, load_work]: [f64; 2]) {
-    let Some(energy) = quantities.get("energy").cloned().filter(|_| loads_alone_work(scene)) else { return };
-    for (path, value, factor) in [("strain_energy", strain, 1.0), ("load_work", load_work, 2.0)] {
-        if (value + factor * energy.value).abs() <= SAME_ENERGY * value.abs() {
-            let parts = energy.parts.iter().map(|(name, part)| (name.clone(), factor * part)).collect();
-            let uncertainty = factor * energy.uncertainty;
-            quantities.insert(path.to_owned(), Quantity { value, uncertainty, doubts: energy.doubts.clone(), parts });
+/// Gives strain energy E and load work L error bars by those of J, of the work of reactions R and of that against friction F, of the
+/// solution of a mesh as well: E = R - J and L = R + F - 2J, of which what is told may differ by what a mesh leaves.
+fn of_energies(scene: &Scene, quantities: &mut Quantities, all: &Bars, [strain, load_work]: [f64; 2]) {
+    let Some(energy) = quantities.get("energy").cloned() else { return };
+    let of = |of: Of| all.entries.iter().zip(&all.values).find(|(entry, _)| entry.of == of).map(|(_, own)| *own);
+    let has = |known: bool, entry: Of| if known { of(entry) } else { Some([0.0; 2]) };
+    let (reactions, friction) = if has_reaction_work(scene) {
+        (of(Of::Reactions), has(has_friction_work(scene), Of::Friction))
+    } else {
+        let nothing = loads_alone_work(scene).then_some([0.0; 2]);
+        (nothing, nothing)
+    };
+    let (Some(reactions), Some(friction), false) = (reactions, friction, scene.problem.has_springs()) else { return };
+    for (path, value, factor, of_friction) in [("strain_energy", strain, 1.0, 0.0), ("load_work", load_work, 2.0, 1.0)]
+    {
+        let sum = |k: usize| reactions[k] + of_friction * friction[k];
+        let left = (value - (sum(0) - factor * energy.value)).abs();
+        let left = if left > SAME_ENERGY * value.abs() { left } else { 0.0 };
+        let bar = factor * energy.uncertainty + sum(1);
+        if left > bar {
+            continue;
         }
+        // without loads their work is exactly zero
+        let uncertainty = if value == 0.0 { 0.0 } else { bar + left };
+        let parts = energy.parts.iter().map(|(name, part)| (name.clone(), part * uncertainty / energy.uncertainty));
+        let quantity = Quantity { value, uncertainty, doubts: energy.doubts.clone(), parts: parts.collect() };
+        quantities.insert(path.to_owned(), quantity);
     }
 }
 
-/// Whether nothing but loads does work on the bodies: no support moves, and there is no contact, jump, spring or medium.
+/// Whether nothing but loads does work on the bodies: no support moves, and there is no contact, jump or spring.
 fn loads_alone_work(scene: &Scene) -> bool {
     let problem = &scene.problem;
     let is_plain = |law: &Law| matches!(law, Law::Tied(tie) if tie.displacement_jump.is_none());
@@ -351,7 +371,6 @@ fn loads_alone_work(scene: &Scene) -> bool {
         _ => true,
     };
     !problem.has_springs()
-        && problem.bodies.iter().all(|body| body.far.is_none())
         && problem.interfaces().iter().all(|interface| is_plain(&interface.law))
         && problem.sides.iter().all(|side| rests(&side.condition))
 }

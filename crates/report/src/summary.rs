@@ -333,6 +333,10 @@ fn energies(s: &Summary, lines: &mut Lines) {
     let with_bar =
         |value: f64, path: &str| one_with_bar(value, s.quantities.get(path).map(|told| told.uncertainty), value);
     let (strain, work) = (with_bar(s.strain_energy, "strain_energy"), with_bar(s.load_work, "load_work"));
+    let friction = match s.quantities.get("friction_work") {
+        Some(told) if told.uncertainty < told.value.abs() => with_bar(s.friction_work, "friction_work"),
+        _ => friction,
+    };
     lines.say("", format!("strain {strain}, {springs}load work {work}, friction work {friction}"));
     if let (Some(energy), Some(uncertainty)) = (s.energy_extrapolated, s.energy_uncertainty) {
         let value = plain(energy, digits(energy, uncertainty));

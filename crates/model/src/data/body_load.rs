@@ -46,7 +46,7 @@ pub(crate) struct Particular {
     /// u_p itself.
     pub(crate) solution: ParticularSolution,
     /// Whether the energies are those of w alone: u_p has none that is finite in an unbounded body.
-    relative: bool,
+    pub(crate) relative: bool,
     /// U.
     pub(crate) displacement: Vec<f64>,
     /// S U - T.

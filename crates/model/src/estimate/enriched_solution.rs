@@ -24,7 +24,8 @@ use crate::estimate::contact_ends::ContactEnd;
 use crate::estimate::dual::Duals;
 use crate::estimate::elastic::Elastic;
 use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame};
-use crate::estimate::functionals::has_duals;
+use crate::estimate::functionals::{LinearFunctional, has_duals};
+use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
 use crate::quantities::{self, At, EstimatedQuantity};
 use crate::solve::body::{Body, Factors};
 use crate::solve::fields::{ElasticField, Field};
@@ -103,12 +104,19 @@ pub(crate) fn both(
         ends = data.contact_ends(tips, part, [&solved.elastic_field(), plus]);
     }
     both.extend(length_of_contact(scene, tips, &ends));
-    let mut functionals = if has_duals(scene, tips, &ends) {
-        data.functionals(solved, (field.as_ref(), around.as_ref()), &peaks)
-    } else {
-        Vec::new()
-    };
+    let with_duals = has_duals(scene, tips, &ends);
+    let mut functionals =
+        if with_duals { data.functionals(solved, (field.as_ref(), around.as_ref()), &peaks) } else { Vec::new() };
     functionals.resize(both.len(), None);
+    if has_reaction_work(scene) {
+        let prescribed = data.prescribed(solved);
+        both.push(data.reaction_work(solved, &prescribed, &change)?);
+        functionals.push(with_duals.then(|| LinearFunctional { of_forces: prescribed, ..LinearFunctional::default() }));
+    }
+    if has_friction_work(scene) {
+        both.push(data.friction_work((solved, factors), bubbles, &correction, &change)?);
+        functionals.push(None);
+    }
     let all = both.iter().zip(functionals).map(|(&[value, enriched], functional)| {
         let weighted = functional.and_then(|functional| duals.weighted(&functional, &rest.base, &ends));
         let of_rest = weighted.as_ref().map_or(0.0, |weighted| weighted.of_rest);

@@ -13,6 +13,7 @@ pub(crate) mod interface_residual;
 pub(crate) mod multiplier_difference;
 pub(crate) mod on_springs;
 pub(crate) mod penetration;
+pub(crate) mod reaction_work;
 pub mod residual;
 pub(crate) mod rotation_work;
 pub(crate) mod rounding;

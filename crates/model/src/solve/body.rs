@@ -295,6 +295,7 @@ impl Body {
         let of_corner = |e: usize, j: usize| data.traction_moment(&field, &particular, e, j);
         let pulled = self.springs.reactions(mesh, space, &displacement);
         let reactions = reactions(scene, (&supports, mesh), &residual.values, (contact.as_ref(), pulled), of_corner);
+        let reaction_work = self.work_of_forces(&given, &displacement, &forces);
         let works = self.works(&data, (&supports, &residual.values), (contact.as_ref(), &displacement), of_corner);
         let factors = Factors {
             homogeneous: self.settled(&homogeneous),
@@ -320,6 +321,7 @@ impl Body {
             balanced: residual.balanced,
             reactions,
             works,
+            reaction_work: reaction_work + 2.0 * energies.springs + energies.friction_work,
             over_outcomes: None,
             free_motions: self.free.clone(),
             seconds: Seconds::default(),
@@ -442,6 +444,19 @@ impl Body {
         };
         let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
         Ok((displacement, Some((result, factors))))
+    }
+
+    /// (Su - f)·u: the work of all that is not a load; `forces` are S u of the bodies alone.
+    fn work_of_forces(&self, given: &Loading, displacement: &[f64], forces: &[f64]) -> f64 {
+        let mut own = displacement.to_vec();
+        for (body, p) in self.pieces.iter().zip(&given.particular) {
+            // the energies of an unbounded body are those without the particular solution
+            let Some(p) = p.as_ref().filter(|p| p.relative) else { continue };
+            let part = &body.piece.part;
+            let less: Vec<f64> = part.own(displacement).iter().zip(&p.displacement).map(|(u, p)| u - p).collect();
+            part.set(&mut own, &less);
+        }
+        own.iter().zip(forces).zip(&given.load).map(|((u, s), f)| u * (s - f)).sum()
     }
 
     /// ‖u - v‖², energy norm.

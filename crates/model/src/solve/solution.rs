@@ -81,6 +81,8 @@ pub struct Solved {
     pub reactions: Vec<(String, [f64; 2])>,
     /// The moments and weighted forces that the scene asks for, in their order, of the forces at nodes; zero between bodies.
     pub works: Vec<f64>,
+    /// Work of the reactions of supports and obstacles on what they prescribe, displacements and gaps.
+    pub reaction_work: f64,
     /// What the enriched spaces add in the mean over outcomes of random input, if that is known.
     pub over_outcomes: Option<OverOutcomes>,
     /// Rigid motions that nothing resists and no load drives; the displacement has none of them.

@@ -1,0 +1,122 @@
+//! The work of supports and obstacles, and that of friction: with them and J the strain energy and the work of loads have error bars.
+//!
+//! ```text
+//! R = Σ u_i r_i over held unknowns  -  Σ D_i g_i λ_n,i                     work of reactions on prescribed displacements and gaps
+//! F = Σ D_i λ_t,i u_t,i                                                    work against friction
+//! 2E = L + R - F,   J = E - L + F    so that    E = R - J,   L = R + F - 2J
+//! ```
+//! E with the energy of springs, L the work of loads. R and F are linear in the forces at nodes, whose change by the enriched spaces is known.
+
+use steklov_bem_operators::Enriched;
+use steklov_contact::ContactBubble;
+use steklov_elastic::plane::dot;
+use steklov_problem::{Condition, Friction, Law, Multiplier, Scene};
+
+use crate::data::on_mesh::OnMesh;
+use crate::error::SolveError;
+use crate::solve::body::Factors;
+use crate::solve::solution::Solved;
+
+/// Whether the work of reactions of boundary elements is a quantity: where displacements or gaps may be prescribed, and known.
+pub(crate) fn has_reaction_work(scene: &Scene) -> bool {
+    let problem = &scene.problem;
+    let jumps = |law: &Law| matches!(law, Law::Tied(tie) if tie.displacement_jump.is_some());
+    let touches = scene.contacts().next().is_some();
+    let moves = problem.sides.iter().any(|side| match &side.condition {
+        Condition::Displacement { values, .. } => values.iter().flatten().any(|value| value.constant() != Some(0.0)),
+        _ => false,
+    });
+    let known = !(touches && scene.method.multiplier == Multiplier::Stabilised);
+    known && (touches || moves) && !problem.interfaces().iter().any(|interface| jumps(&interface.law))
+}
+
+/// Whether the work against friction is a quantity: where something may slip.
+pub(crate) fn has_friction_work(scene: &Scene) -> bool {
+    let rubs = |friction: &Friction| {
+        friction.coefficient().is_some() || friction.bound().is_some_and(|bound| bound.constant() != Some(0.0))
+    };
+    has_reaction_work(scene) && scene.contacts().any(|(_, contact)| rubs(&contact.friction))
+}
+
+impl OnMesh<'_> {
+    /// What is prescribed at the nodes, two for each: displacements of supports, and along normals gaps of pressed nodes; else zero.
+    pub(crate) fn prescribed(&self, solved: &Solved) -> Vec<f64> {
+        let problem = &self.scene.problem;
+        let mut prescribed = vec![0.0; self.space.dofs()];
+        if let Some(contact) = &solved.contact {
+            let relative = contact.boundary.relative(&solved.displacement);
+            let mut multipliers = contact.solution.multipliers.iter();
+            for node in &contact.boundary.nodes {
+                let own = multipliers.by_ref().take(node.conditions.len());
+                let pressed = own.fold(false, |any, [pressure, _]| any | (*pressure > 0.0));
+                let u = [relative[2 * node.node], relative[2 * node.node + 1]];
+                let gap = match &node.conditions[..] {
+                    _ if !pressed => [0.0; 2],
+                    [one] => one.normal.map(|n| n * dot(u, one.normal)),
+                    _ => u,
+                };
+                prescribed[2 * node.node..2 * node.node + 2].copy_from_slice(&gap);
+            }
+        }
+        for (index, side) in problem.sides.iter().enumerate() {
+            // the energies of an unbounded body are those of the field without the particular solution
+            let unbounded = problem.bodies[problem.body_of_side(index)].far.is_some();
+            let remote = self.particular_of_side(&solved.particular, index).filter(|_| unbounded);
+            for node in self.nodes_of(index) {
+                let of_remote = remote.map_or([0.0; 2], |remote| remote.displacement(self.space.points[node]));
+                for i in (0..2).filter(|&i| side.holds(i)) {
+                    prescribed[2 * node + i] = solved.displacement[2 * node + i] - of_remote[i];
+                }
+            }
+        }
+        prescribed
+    }
+
+    /// R of a solution and of the enriched spaces, which change the forces at nodes so.
+    ///
+    /// # Errors
+    /// Data that are not finite.
+    pub(crate) fn reaction_work(
+        &self,
+        solved: &Solved,
+        prescribed: &[f64],
+        change: &[f64],
+    ) -> Result<[f64; 2], SolveError> {
+        let gained: f64 = prescribed.iter().zip(change).map(|(w, force)| w * force).sum();
+        Ok([solved.reaction_work, solved.reaction_work + gained + self.held_work(solved)?])
+    }
+
+    /// F of a solution and of the enriched spaces, which correct the displacement and change the forces at nodes so.
+    ///
+    /// # Errors
+    /// Data that are not finite.
+    pub(crate) fn friction_work(
+        &self,
+        (solved, factors): (&Solved, &Factors),
+        bubbles: &[ContactBubble],
+        correction: &Enriched,
+        change: &[f64],
+    ) -> Result<[f64; 2], SolveError> {
+        let Some(contact) = &solved.contact else { return Ok([0.0; 2]) };
+        let [u, e] = [&solved.displacement, &correction.base].map(|u| contact.boundary.relative(u));
+        let mut gained = self.friction_work_left(solved, factors)?;
+        let mut multipliers = contact.solution.multipliers.iter();
+        for (node, condensed) in contact.boundary.nodes.iter().zip(&contact.boundary.contact) {
+            let at = |of: &[f64], t: [f64; 2]| dot([of[2 * node.node], of[2 * node.node + 1]], t);
+            for ((plane, condition), [_, shear]) in
+                node.conditions.iter().zip(&condensed.conditions).zip(multipliers.by_ref())
+            {
+                gained += condition.tangent_weight * shear * at(&e, plane.tangent);
+            }
+            if let ([one], true) = (&node.conditions[..], condensed.conditions[0].tangent_weight > 0.0) {
+                gained -= at(change, one.tangent) * at(&u, one.tangent);
+            }
+        }
+        for bubble in bubbles {
+            let [_, t] = self.contact_frame(bubble.element);
+            let extra = [0, 1].map(|i| correction.extra[2 * bubble.element + i]);
+            gained -= bubble.load[1] * dot(extra, t);
+        }
+        Ok([solved.energies.friction_work, solved.energies.friction_work + gained])
+    }
+}
