@@ -60,3 +60,4 @@ mod subdomains;
 mod supported_holes;
 mod unbounded;
 mod unbounded_between_bodies;
+mod zone_bars;

@@ -33,7 +33,7 @@ use crate::quantities::{EstimatedQuantity, OF_POINT, forces, forces_between, has
 /// How far the exact value may be, over the part that the enriched spaces see.
 pub(crate) const OF_DIFFERENCE: f64 = 1.2;
 /// The same over the change since the step before.
-const OF_CHANGE: f64 = 0.3;
+pub(crate) const OF_CHANGE: f64 = 0.3;
 /// How far the exact value may be, over the part that the enriched spaces see, without a step before.
 const OF_SINGLE: f64 = 5.0;
 /// The part of Σ |η_e| that a difference has at least.
@@ -49,7 +49,7 @@ const EXACT: f64 = 1e-10;
 /// Relative errors of the energy norm whose squares may be rounding errors of J.
 const ENERGY_ROUNDED: f64 = 1e-5;
 /// Rounding errors of a value, over the largest of its kind.
-const ROUNDED: f64 = 1e-11;
+pub(crate) const ROUNDED: f64 = 1e-11;
 
 /// What a value is, which tells the values that it rounds with.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,9 +7,10 @@
 
 use steklov_bem_operators::Edge;
 use steklov_contact::{Located, Tip, TipFit, TipKind};
-use steklov_elastic::plane::distance;
+use steklov_elastic::plane::{cross, distance};
 use steklov_problem::{Contact, Friction, Multiplier, Refine, Scene};
 
+use crate::answer::wedges::beyond_end;
 use crate::estimate::contact_ends::ContactEnd;
 use crate::refine::transitions::zone;
 use crate::solve::contact_rows::ContactRow;
@@ -26,6 +27,8 @@ const PART_AT_CORNER: f64 = 0.5;
 const STEP: f64 = 1e-4;
 /// Part of the change of a gap over two steps that its slope may make, where it counts as none.
 const FLAT: f64 = 1e-3;
+/// Largest sine of the angle between two tangents that are parallel.
+const PARALLEL: f64 = 1e-6;
 
 /// Whether ends of contact along an edge can be extracted: a line, without friction or with Tresca's, on a rigid obstacle, of a body without
 /// forces inside.
@@ -78,22 +81,32 @@ pub(crate) fn of_vertices(scene: &Scene, located: &[Located]) -> Option<f64> {
 }
 
 /// Whether contact that reaches an end of an edge does so for certain: with a pressure there that is no small part of those beside it, and a
-/// gap without slope. Else a short piece beside the corner may be open that no node shows.
+/// gap without slope, or where the side goes on without a corner. Else a short piece beside the corner may be open that no node shows.
 pub(crate) fn ends_at_corners_are_known(scene: &Scene, rows: &[ContactRow]) -> bool {
-    let is_known = |edge: &Edge, contact: &Contact, end: f64| {
+    let outline = &scene.problem.outline;
+    let is_known = |(k, edge, contact): (usize, &Edge, &Contact), end: f64| {
         let (at, length) = (edge.point(end), edge.length());
         let own = |row: &&ContactRow| row.side == edge.side && distance(row.point, at) <= BESIDE * length;
         let beside = || rows.iter().filter(own);
         let largest = beside().fold(0.0, |largest: f64, row| largest.max(row.pressure));
         let nearest = beside().min_by(|a, b| distance(a.point, at).total_cmp(&distance(b.point, at)));
         let Some(nearest) = nearest.filter(|row| row.pressure > 0.0) else { return true };
-        nearest.pressure >= PART_AT_CORNER * largest && is_flat(edge, contact, end)
+        let (beyond, is_straight) = beyond_end(outline, k, end > 0.5);
+        let goes_on = is_straight && outline.edges()[beyond].side == edge.side;
+        let flat = || is_flat(edge, contact, end) && is_parallel(scene, k, end);
+        goes_on || nearest.pressure >= PART_AT_CORNER * largest && flat()
     };
-    let edges = scene.problem.outline.edges();
-    let touching = edges.iter().filter_map(|edge| Some((edge, scene.contact(edge.side)?)));
-    touching
-        .flat_map(|(edge, contact)| [(edge, contact, 0.0), (edge, contact, 1.0)])
-        .all(|(edge, contact, end)| is_known(edge, contact, end))
+    let edges = outline.edges().iter().enumerate();
+    let touching = edges.filter_map(|(k, edge)| Some((k, edge, scene.contact(edge.side)?)));
+    touching.flat_map(|own| [(own, 0.0), (own, 1.0)]).all(|(own, end)| is_known(own, end))
+}
+
+/// Whether the other body at an end of an edge, if there is one, has the same tangent: the distance of both has no slope there.
+fn is_parallel(scene: &Scene, edge: usize, end: f64) -> bool {
+    let (problem, edges) = (&scene.problem, scene.problem.outline.edges());
+    let Some(interface) = problem.joint(edges[edge].side) else { return true };
+    let seen = problem.seen(interface, edge, end);
+    seen.is_some_and(|seen| cross(edges[seen.edge].normal(seen.s), edges[edge].normal(end)).abs() <= PARALLEL)
 }
 
 /// Whether the gap has no slope at an end of an edge, in any units: what two steps change is curvature or rounding.

@@ -46,6 +46,7 @@ mod solve_scene;
 pub mod stage;
 pub mod stochastic;
 pub mod summary;
+mod zone_bars;
 
 pub use solve_scene::{Answer, AnyRun, OnLastMesh, Told, Watch, solve, solve_watched};
 

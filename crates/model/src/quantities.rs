@@ -117,7 +117,7 @@ pub(crate) fn is_of_peak(scene: &Scene, peak: Option<usize>, side: usize) -> boo
 }
 
 /// The interfaces of contact between bodies, with their numbers.
-fn contact_between(scene: &Scene) -> impl Iterator<Item = (usize, &Interface)> {
+pub(crate) fn contact_between(scene: &Scene) -> impl Iterator<Item = (usize, &Interface)> {
     scene.problem.joints().enumerate().filter(|(_, own)| matches!(own.law, Law::Contact(_)))
 }
 

@@ -209,8 +209,8 @@ fn of_contact(s: &Summary, c: &ContactSummary) -> Vec<Row> {
     };
     let mut rows = vec![
         row("contact: length", one(c.length), Unit::Length, bar("contact.length").unwrap_or_else(|| words(located))),
-        row("contact: length that sticks", one(c.stick), Unit::Length, vec![]),
-        row("contact: length that slips", one(c.slip), Unit::Length, vec![]),
+        row("contact: length that sticks", one(c.stick), Unit::Length, bar("contact.stick").unwrap_or_default()),
+        row("contact: length that slips", one(c.slip), Unit::Length, bar("contact.slip").unwrap_or_default()),
         row(
             "contact: largest pressure",
             one(c.max_pressure),
@@ -322,10 +322,14 @@ fn of_parts(s: &Summary) -> Vec<Row> {
 fn of_interface(s: &Summary, number: usize, i: &InterfaceSummary) -> Vec<Row> {
     let sides = i.sides[0].iter().chain(&i.sides[1]).cloned().collect::<Vec<_>>().join(", ");
     let length = format!("interface {}, {} ({sides}): length", i.name, i.kind);
-    let mut rows = vec![row(length, one(i.length), Unit::Length, vec![])];
-    if let (Some(stick), Some(slip)) = (i.stick, i.slip) {
-        let value = vec![Number(stick, DIGITS), Words(", ".into()), Number(slip, DIGITS)];
-        rows.push(row(format!("interface {}: sticks, slips", i.name), value, Unit::Length, vec![]));
+    let bar = |name: &str| {
+        let own = s.quantities.get(&format!("interfaces.{number}.{name}"));
+        own.map_or(Vec::new(), |told| within("± ", told.uncertainty, 2, ""))
+    };
+    let mut rows = vec![row(length, one(i.length), Unit::Length, bar("length"))];
+    for (what, name, value) in [("sticks", "stick", i.stick), ("slips", "slip", i.slip)] {
+        let Some(value) = value else { continue };
+        rows.push(row(format!("interface {}: length that {what}", i.name), one(value), Unit::Length, bar(name)));
     }
     // where the largest one is infinite, the row of all contact says so
     let bounded = s.contact.as_ref().is_some_and(|contact| !contact.max_pressure_unbounded);

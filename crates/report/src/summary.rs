@@ -81,6 +81,11 @@ fn one_with_bar(value: f64, uncertainty: Option<f64>, largest: f64) -> String {
     }
 }
 
+/// A length of contact with its uncertainty, if that is known, beside all of the contact.
+fn length_with_bar(s: &Summary, of: &str, name: &str, [value, all]: [f64; 2]) -> String {
+    one_with_bar(value, s.quantities.get(&format!("{of}.{name}")).map(|told| told.uncertainty), all)
+}
+
 /// A force with the uncertainties of its components, if those at a path of the result are known.
 fn force_with_bars(s: &Summary, force: [f64; 2], path: &str, largest: f64) -> String {
     let uncertainty = |component| Some(s.quantities.get(&format!("{path}.{component}"))?.uncertainty);
@@ -164,11 +169,11 @@ fn solved(stored: &Record, lines: &mut Lines) {
 
 fn contact(stored: &Record, c: &ContactSummary, lines: &mut Lines) {
     let s = &stored.summary;
-    let (stick, slip) = (part(c.stick, c.length), part(c.slip, c.length));
     let count = s.iterations;
     let with_bar =
         |value: f64, path: &str| one_with_bar(value, s.quantities.get(path).map(|told| told.uncertainty), value);
-    let length = with_bar(c.length, "contact.length");
+    let of_length = |value: f64, name: &str| length_with_bar(s, "contact", name, [value, c.length]);
+    let (length, stick, slip) = (of_length(c.length, "length"), of_length(c.stick, "stick"), of_length(c.slip, "slip"));
     lines.say("contact", format!("length {length}, stick {stick}, slip {slip}, {count} iterations"));
     let largest = stored.contact.iter().max_by(|a, b| a.pressure.total_cmp(&b.pressure));
     let place =
@@ -188,14 +193,16 @@ fn contact(stored: &Record, c: &ContactSummary, lines: &mut Lines) {
 fn interfaces(s: &Summary, lines: &mut Lines) {
     let in_doubt = s.estimate_doubts.iter().any(|word| word == Doubt::Normals.word());
     for (number, i) in s.interfaces.iter().enumerate() {
-        let stick = i.stick.map_or(String::new(), |stick| format!(", stick {}", part(stick, i.length)));
+        let path = format!("interfaces.{number}");
+        let of_length = |value: f64, name: &str| length_with_bar(s, &path, name, [value, i.length]);
+        let stick = i.stick.map_or(String::new(), |stick| format!(", stick {}", of_length(stick, "stick")));
         // where the largest one is infinite, the line above says so
         let bounded = s.contact.as_ref().is_some_and(|contact| !contact.max_pressure_unbounded);
         let bar = s.quantities.get(&format!("interfaces.{number}.max_pressure")).map(|told| told.uncertainty);
         let told = |p| format!(", largest pressure {}", one_with_bar(p, bar, p));
         let pressure = i.max_pressure.filter(|_| bounded).map_or(String::new(), told);
         let (length, force) =
-            (usual(i.length), force_with_bars(s, i.force, &format!("interfaces.{number}.force"), 0.0));
+            (of_length(i.length, "length"), force_with_bars(s, i.force, &format!("{path}.force"), 0.0));
         lines.say("interface", format!("{}: {}, length {length}{stick}{pressure}, force {force}", i.name, i.kind));
         if let Some(n) = i.normals.filter(|_| in_doubt) {
             let (angle, change) = (n.angle.to_degrees(), plain(n.energy_change, 2));

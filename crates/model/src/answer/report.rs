@@ -40,16 +40,11 @@ pub(crate) fn summary_of_sides(
     let weight_of = |of: &dyn Fn(&ContactRow) -> bool| {
         rows.iter().filter(|r| of(r)).map(|r| r.weight).fold(0.0, |a, b| a + b) // sum() of nothing is -0
     };
-    let between = |tips: Option<Vec<(usize, f64)>>, stick: bool| {
-        let tips = with_singular(scene, trace, (contact, sides, largest), tips?, stick);
-        Some((length_between(scene, trace, (contact, sides, largest), &tips, stick)?, tips))
-    };
     let touches = |r: &ContactRow| r.pressure > TOUCHING * largest;
     // where nothing presses, touching has no ends
     let located = located.map(|located| if max_pressure(rows) > 0.0 { located } else { &[] });
-    let ends = between(vertices(located, &|kind| kind == TipKind::ContactEnd), false);
+    let [ends, stick] = zones(scene, trace, (contact, sides, largest), located);
     let length = ends.as_ref().map_or_else(|| weight_of(&touches), |(length, _)| *length);
-    let stick = between(vertices(located, &|_| true), true);
     let stick = stick.map_or_else(|| weight_of(&|r| touches(r) && sticks(r.shear, r.bound)), |(stick, _)| stick);
     let stick = stick.min(length);
     let mut force = [0.0; 2];
@@ -75,6 +70,24 @@ pub(crate) fn summary_of_sides(
             .map(|s| Stabilisation { gamma: s.gamma, critical_gamma: s.critical }),
         ends: ends.map(|(_, ends)| ends.into_iter().map(point).collect()),
     }
+}
+
+/// A length with the transitions that bound its parts: edge and edge parameter.
+type Zone = (f64, Vec<(usize, f64)>);
+
+/// The length in contact and that which sticks, by the transitions that are `located` on these sides; none where one has no vertex, or where
+/// the nodes between them do not agree.
+pub(crate) fn zones(
+    scene: &Scene,
+    trace: Trace<'_>,
+    (contact, sides, largest): (&ContactResult, &[usize], f64),
+    located: Option<&[Located]>,
+) -> [Option<Zone>; 2] {
+    [false, true].map(|stick| {
+        let tips = vertices(located, &|kind| stick || kind == TipKind::ContactEnd)?;
+        let tips = with_singular(scene, trace, (contact, sides, largest), tips, stick);
+        Some((length_between(scene, trace, (contact, sides, largest), &tips, stick)?, tips))
+    })
 }
 
 /// Energies, contact and reactions of an answer: the numbers that one outcome of random input has.

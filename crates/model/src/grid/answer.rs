@@ -163,6 +163,7 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         trace,
         contact: solved.contact.as_ref(),
         located: None,
+        off: None,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(probe).collect(),
         named,

@@ -1,5 +1,7 @@
 //! The numbers of a run.
 
+use std::collections::BTreeMap;
+
 use steklov_contact::Kkt;
 use steklov_problem::{Scene, Solver, facets};
 
@@ -10,7 +12,7 @@ use crate::answer::small_strain::is_large;
 use crate::contact_length::{ends_at_corners_are_known, of_vertices};
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
-use crate::quantities::{Quantities, Told, named, quantities};
+use crate::quantities::{Quantities, Quantity, Told, contact_between, named, quantities};
 use crate::run::adaptive_loop::{Model, Reason, Run};
 use crate::run::expect::expected;
 use crate::run::report::{OfMeans, Report};
@@ -20,11 +22,33 @@ use crate::stochastic::{self, StochasticResult};
 use crate::summary::{
     Audit, ContactSummary, InterfaceSummary, MediumSummary, SecondsSummary, Summary, peak_memory_bytes,
 };
+use crate::zone_bars::Zones;
 
 impl Summary {
     /// The numbers of a run, with all outcomes of its random input if they were solved.
     pub fn of_run<M: Model>(scene: &Scene, run: &Run<M>, outcomes: Option<&StochasticResult>) -> Self {
         summary_and_contact(scene, run, outcomes).0
+    }
+}
+
+/// Adds the lengths of contact, stick and slip, of all contact and of each interface in contact; a length of contact that is there already is
+/// better known.
+fn add_lengths(quantities: &mut Quantities, zones: Zones<'_>, doubts: &[String]) {
+    let with = |[value, uncertainty]: [f64; 2]| Quantity {
+        value,
+        uncertainty,
+        doubts: doubts.to_vec(),
+        parts: BTreeMap::new(),
+    };
+    let sides = zones.scene.contacts().map(|(side, _)| side).collect();
+    let own = contact_between(zones.scene).map(|(number, own)| (format!("interfaces.{number}"), own.sides.clone()));
+    for (of, sides) in std::iter::once(("contact".to_owned(), sides)).chain(own) {
+        let [Some(length), stick] = zones.lengths(&sides) else { continue };
+        let length = quantities.entry(format!("{of}.length")).or_insert_with(|| with(length)).clone();
+        let Some([stick, of_stick]) = stick else { continue };
+        quantities.insert(format!("{of}.stick"), with([stick, of_stick]));
+        let slip = [length.value - stick, length.uncertainty + of_stick];
+        quantities.insert(format!("{of}.slip"), with(slip));
     }
 }
 
@@ -104,6 +128,10 @@ pub fn answer<M: Model>(
     }
     let mut quantities = quantities(scene, &report.bars, told);
     quantities.extend(of_means);
+    if let (Some(contact), Some(located), Some(off)) = (contact, report.located, &report.off) {
+        let zones = Zones { scene, trace: report.trace, contact, rows, located, off };
+        add_lengths(&mut quantities, zones, &doubts);
+    }
     let with_peak = |(number, told): (usize, InterfaceSummary)| {
         let peak = quantities.get(&format!("interfaces.{number}.max_pressure")).map(|peak| peak.value);
         InterfaceSummary { max_pressure: peak.or(told.max_pressure), ..told }

@@ -27,6 +27,7 @@ use crate::solve::solution::Solved;
 use crate::stage::Stage;
 use crate::stochastic::{LastMesh, OutcomeStage, OutcomesWatch, StochasticResult, mean_estimate, solve_stochastic};
 use crate::summary::SideProbe;
+use crate::zone_bars::off_by_fits;
 
 /// Boundary elements, as a [`Model`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -242,7 +243,17 @@ impl Model for BoundaryElements {
             let bars = Bars::over_outcomes(scene, reactions, &estimates, &over.quantities);
             OfMeans { bars, energy: Some(over.energy) }
         });
-        let report = boundary_report::report(scene, &run.last, (step.estimate.as_ref(), bars), &step.layout.located);
+        let located = |k: usize| &run.progress.steps[k].layout.located[..];
+        let off = match estimates[..] {
+            [.., before, last] => {
+                let count = run.progress.steps.len();
+                let fallen = if before.error > 0.0 { (last.error / before.error).min(1.0) } else { 1.0 };
+                off_by_fits(scene, [located(count - 2), located(count - 1)], fallen)
+            }
+            _ => None,
+        };
+        let bars_of_step = (step.estimate.as_ref(), bars);
+        let report = boundary_report::report(scene, &run.last, bars_of_step, (&step.layout.located, off));
         Report { over_outcomes, ..report }
     }
 

@@ -29,7 +29,7 @@ pub(crate) fn report<'a>(
     scene: &Scene,
     solved: &'a Solved,
     (estimate, bars): (Option<&Estimate>, Bars),
-    transitions: &'a [Located],
+    (transitions, off): (&'a [Located], Option<Vec<f64>>),
 ) -> Report<'a> {
     let located = located(scene, transitions);
     let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
@@ -52,6 +52,7 @@ pub(crate) fn report<'a>(
         trace: solved.trace(),
         contact: solved.contact.as_ref(),
         located,
+        off,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(|&x| solved.probe(scene, x)).collect(),
         named: data.named(&solved.elastic_field(), &solved.works),

@@ -39,6 +39,8 @@ pub struct Report<'a> {
     pub contact: Option<&'a ContactResult>,
     /// Where zones of contact and stick end, where that is known better than by nodes.
     pub located: Option<&'a [Located]>,
+    /// How far each of these may be off (length); none where that is not known.
+    pub off: Option<Vec<f64>>,
     /// Force of the support or obstacle on the body for each held or contacting side.
     pub reactions: &'a [(String, [f64; 2])],
     /// Displacement and stress at the points of the scene.

@@ -1,0 +1,119 @@
+//! Error bars of the lengths of contact, stick and slip whose ends are fitted to nodes.
+//!
+//! ```text
+//! an end of a zone     1.2 max(|δ_k|, |δ_{k-1}| E_k/E_{k-1}) + 0.3 |δ_k|          δ_k its shift from its vertex at step k, E the estimate
+//! a length             Σ over its ends
+//! ```
+//! Vertices follow the fits, so that δ_k is the change of the end since the step before. Under Coulomb's law, where the fit does not know the
+//! exponents of gap and slip, small shifts do not fall with the estimate: up to 1e-3 of the distance to the next end those of the step before
+//! count whole. A zone of stick that reaches an end of contact, a
+//! corner or a reversal of slip has no bar: the slip between them is narrower than what nodes see.
+
+use steklov_bem_operators::SAME_PLACE;
+use steklov_contact::{Located, TipKind};
+use steklov_elastic::plane::distance;
+use steklov_problem::{Friction, Scene};
+
+use crate::answer::report::zones;
+use crate::answer::wedges::beyond_end;
+use crate::bars::{OF_CHANGE, OF_DIFFERENCE, ROUNDED};
+use crate::contact_length::ends_at_corners_are_known;
+use crate::refine::transitions::zone;
+use crate::solve::contact::ContactResult;
+use crate::solve::contact_rows::{ContactRow, Trace};
+
+/// Shifts that do not fall under Coulomb's law, over the distance to the next end.
+const STALLED: f64 = 1e-3;
+
+/// How far each transition may be off (length), in the order of those of the last of two steps, between which the estimate has fallen to the part
+/// `fallen`; none unless each has a vertex, and the step before has the same ones.
+pub(crate) fn off_by_fits(scene: &Scene, [before, last]: [&[Located]; 2], fallen: f64) -> Option<Vec<f64>> {
+    let edges = scene.problem.outline.edges();
+    let rank = |all: &[Located], of: &Located| {
+        all.iter().filter(|own| (own.edge, own.kind) == (of.edge, of.kind) && own.s < of.s).count()
+    };
+    let of = |end: &Located| {
+        let of_step = before.iter().filter(|own| (own.edge, own.kind) == (end.edge, end.kind));
+        let earlier = of_step.clone().find(|own| rank(before, own) == rank(last, end))?;
+        let edge = &edges[end.edge];
+        let coulomb = scene.contact(edge.side)?.friction.coefficient().is_some();
+        let stalls = if coulomb { STALLED * zone(end, last) } else { 0.0 };
+        let memory = (fallen * earlier.off.abs()).max(stalls.min(earlier.off.abs()));
+        let off = OF_DIFFERENCE * end.off.abs().max(memory) + OF_CHANGE * end.off.abs();
+        let [a, b] = [end.s - off, end.s + off].map(|s| edge.arc_fraction(s.clamp(0.0, 1.0)));
+        Some((b - a) / 2.0 * edge.length())
+    };
+    (last.len() == before.len() && last.iter().all(|end| end.at_vertex)).then(|| last.iter().map(of).collect())?
+}
+
+/// What the lengths of zones need of a solution.
+#[derive(Clone, Copy)]
+pub(crate) struct Zones<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) trace: Trace<'a>,
+    pub(crate) contact: &'a ContactResult,
+    /// The contact table.
+    pub(crate) rows: &'a [ContactRow],
+    /// Where zones end, and how far each end may be off.
+    pub(crate) located: &'a [Located],
+    pub(crate) off: &'a [f64],
+}
+
+impl Zones<'_> {
+    /// The lengths in contact and in stick on some sides with their uncertainties, where they are known. Without friction nothing sticks.
+    pub(crate) fn lengths(&self, sides: &[usize]) -> [Option<[f64; 2]>; 2] {
+        let edges = self.scene.problem.outline.edges();
+        let of_sides = |end: &Located| sides.contains(&edges[end.edge].side);
+        let own: Vec<ContactRow> = self.rows.iter().filter(|row| sides.contains(&row.side)).copied().collect();
+        let largest = |rows: &[ContactRow]| rows.iter().fold(0.0, |largest: f64, row| largest.max(row.pressure));
+        if largest(&own) == 0.0 || !ends_at_corners_are_known(self.scene, &own) {
+            return [None; 2];
+        }
+        let located: Vec<Located> = self.located.iter().filter(|end| of_sides(end)).copied().collect();
+        let contact = (self.contact, sides, largest(self.rows));
+        let [length, stick] = zones(self.scene, self.trace, contact, Some(&located)).map(|zone| Some(zone?.0));
+        let Some(length) = length else { return [None; 2] };
+        let bar = |kind: TipKind| {
+            let ends = self.located.iter().zip(self.off).filter(|(end, _)| of_sides(end) && end.kind == kind);
+            ends.map(|(_, off)| off).sum::<f64>().max(ROUNDED * length)
+        };
+        let stick = if sides.iter().any(|&side| self.rubs(side)) {
+            stick.filter(|_| self.slips_beside_ends(&own, &located)).map(|stick| [stick, bar(TipKind::StickEnd)])
+        } else {
+            Some([0.0; 2])
+        };
+        [Some([length, bar(TipKind::ContactEnd)]), stick]
+    }
+
+    fn rubs(&self, side: usize) -> bool {
+        self.scene.contact(side).is_some_and(|contact| !matches!(contact.friction, Friction::None))
+    }
+
+    /// Whether the nodes in contact nearest to each end of contact and of an edge slip, all to one side between two zones of stick. At a line
+    /// of symmetry, whose support holds the tangent, stick is what belongs there.
+    fn slips_beside_ends(&self, rows: &[ContactRow], located: &[Located]) -> bool {
+        let edges = self.scene.problem.outline.edges();
+        let pressed = |side: usize| rows.iter().filter(move |row| row.side == side && row.pressure > 0.0);
+        let slips_at = |side: usize, x: [f64; 2]| {
+            let nearest = pressed(side).min_by(|a, b| distance(a.point, x).total_cmp(&distance(b.point, x)));
+            nearest.is_none_or(|row| row.status != STICKS)
+        };
+        let at_ends = |end: &Located| match end.kind {
+            TipKind::ContactEnd => slips_at(edges[end.edge].side, edges[end.edge].point(end.s)),
+            TipKind::StickEnd => true,
+            TipKind::SlipReversal => false,
+        };
+        let is_symmetric = |k: usize, s: f64| {
+            let (beyond, _) = beyond_end(&self.scene.problem.outline, k, s > 0.5);
+            let (side, tangent) = (&self.scene.problem.sides[edges[beyond].side], edges[k].tangent(s));
+            (0..2).any(|i| side.holds(i) && !side.holds(1 - i) && tangent[1 - i].abs() <= SAME_PLACE)
+        };
+        let touching = edges.iter().enumerate().filter(|(_, edge)| pressed(edge.side).next().is_some());
+        let mut corners = touching.flat_map(|(k, edge)| [0.0, 1.0].map(|s| (k, edge, s)));
+        located.iter().all(at_ends)
+            && corners.all(|(k, edge, s)| slips_at(edge.side, edge.point(s)) || is_symmetric(k, s))
+    }
+}
+
+/// The status of a row that sticks.
+const STICKS: usize = 1;

@@ -1,0 +1,65 @@
+//! Error bars of the lengths of contact, stick and slip whose ends are fitted, judged by solutions of smaller tolerances and other meshes.
+
+use steklov_model::quantities::Quantity;
+use steklov_model::run::adaptive_loop::Run;
+use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::summary::Summary;
+use steklov_tests::{adapt, scene};
+
+fn solved(name: &str, settings: &[&str]) -> Summary {
+    let scene = scene(name, &[&["expect={}"], settings].concat());
+    let run: Run<BoundaryElements> = adapt(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
+    Summary::of_run(&scene, &run, None)
+}
+
+/// A length of contact.
+fn told(summary: &Summary, path: &str) -> f64 {
+    let contact = summary.contact.as_ref().unwrap_or_else(|| panic!("no contact"));
+    match path {
+        "contact.length" => contact.length,
+        "contact.stick" => contact.stick,
+        "contact.slip" => contact.slip,
+        _ => summary.interfaces[0].length,
+    }
+}
+
+/// Bodies with curved sides, Coulomb's friction on a wedge, and a cylinder that slips partly.
+#[test]
+fn lengths_of_zones_are_inside_their_bars() {
+    let (mut count, mut inside, mut wide) = (0, 0, 0);
+    for (name, paths) in [
+        ("two-cylinders", &["contact.length", "contact.slip", "interfaces.0.length"][..]),
+        ("coulomb-wedge", &["contact.length", "contact.stick", "contact.slip"]),
+        ("cattaneo-mindlin", &["contact.length", "contact.stick", "contact.slip"]),
+    ] {
+        let known = solved(name, &["method.tolerance=1e-7", "method.marking=0.7"]);
+        for tolerance in ["1e-2", "1e-3", "1e-4", "1e-5"] {
+            let own = solved(name, &[&format!("method.tolerance={tolerance}")]);
+            for &path in paths {
+                // not before all ends have vertices
+                let Some(Quantity { value, uncertainty, doubts, .. }) = own.quantities.get(path) else { continue };
+                let error = (value - told(&known, path)).abs();
+                println!("{name} {tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
+                let allowed = if doubts.iter().any(|doubt| doubt == "sets") { 5.0 } else { 2.5 };
+                assert!(error <= allowed * uncertainty, "{name} {path} at {tolerance}: {error:e}, {uncertainty:e}");
+                count += 1;
+                inside += usize::from(error <= *uncertainty);
+                wide += usize::from(*uncertainty > 100.0 * error);
+            }
+        }
+    }
+    println!("{inside} of {count} inside, {wide} more than a hundred errors wide");
+    assert!(count == 34 && inside >= 31 && 2 * wide <= count, "{inside} of {count} inside, {wide} wide");
+}
+
+/// Stick that reaches an end of contact or a corner, and one that is a point, are not resolved: slip lies between.
+#[test]
+fn stick_that_nodes_do_not_resolve_has_no_bar() {
+    for name in ["block-on-floor", "stack-of-three"] {
+        let own = solved(name, &["method.tolerance=1e-2"]);
+        assert!(own.quantities.contains_key("contact.length"), "{name}: {:?}", own.quantities.keys());
+        for path in ["contact.stick", "contact.slip"] {
+            assert!(!own.quantities.contains_key(path), "{name}: {path}");
+        }
+    }
+}
