@@ -4,7 +4,7 @@ use steklov_model::quantities::Quantity;
 use steklov_model::run::adaptive_loop::Run;
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::Summary;
-use steklov_tests::{adapt, scene};
+use steklov_tests::{adapt, parse, scene};
 
 fn solved(name: &str, settings: &[&str]) -> Summary {
     let scene = scene(name, &[&["expect={}"], settings].concat());
@@ -49,17 +49,28 @@ fn lengths_of_zones_are_inside_their_bars() {
         }
     }
     println!("{inside} of {count} inside, {wide} more than a hundred errors wide");
-    assert!(count == 34 && inside >= 31 && 2 * wide <= count, "{inside} of {count} inside, {wide} wide");
+    assert!(count >= 28 && 100 * inside >= 95 * count && 3 * wide <= count, "{inside} of {count} inside, {wide} wide");
 }
 
 /// Stick that reaches an end of contact or a corner, and one that is a point, are not resolved: slip lies between.
 #[test]
 fn stick_that_nodes_do_not_resolve_has_no_bar() {
-    for name in ["block-on-floor", "stack-of-three"] {
-        let own = solved(name, &["method.tolerance=1e-2"]);
-        assert!(own.quantities.contains_key("contact.length"), "{name}: {:?}", own.quantities.keys());
-        for path in ["contact.stick", "contact.slip"] {
-            assert!(!own.quantities.contains_key(path), "{name}: {path}");
-        }
+    let own = solved("block-on-floor", &["method.tolerance=1e-2"]);
+    assert!(own.quantities.contains_key("contact.length"), "{:?}", own.quantities.keys());
+    assert!(["contact.stick", "contact.slip"].iter().all(|path| !own.quantities.contains_key(*path)));
+}
+
+/// Blocks on a floor that friction pulls up to a free corner: a piece beside it is open that coarse meshes do not see, and friction work depends on it.
+#[test]
+fn contact_with_friction_at_a_free_corner_has_no_bar() {
+    let text = "body = { corners = [[0, 0], [4, 0], [4, 2], [0, 2]], sides = [\"bottom\", \"right\", \"top\", \"left\"] }\n\
+                material = { young = 1000, poisson = 0.3 }\nsides.bottom.contact = { gap = \"0.001*(x - 2.3)^2\", friction = { coulomb = \"0.5\" } }\n\
+                sides.top.pressure = 30\nsides.left.displacement = [0.03, \"free\"]\nmethod.tolerance = 1e-3\n";
+    let scene = parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+    let run: Run<BoundaryElements> = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let own = Summary::of_run(&scene, &run, None);
+    for path in ["contact.length", "friction_work", "load_work", "strain_energy"] {
+        assert!(!own.quantities.contains_key(path), "{path}: {:?}", own.quantities.get(path));
     }
+    assert!(own.quantities.contains_key("energy"));
 }

@@ -5,10 +5,10 @@
 //! ```
 //! δ the shift of a vertex, ℓ the distance to the next end; the last term with friction alone, where B is that of the nodes.
 
-use steklov_bem_operators::Edge;
+use steklov_bem_operators::{Edge, SAME_PLACE};
 use steklov_contact::{Located, Tip, TipFit, TipKind};
 use steklov_elastic::plane::{cross, distance};
-use steklov_problem::{Contact, Friction, Multiplier, Refine, Scene};
+use steklov_problem::{Contact, Friction, Law, Multiplier, Refine, Scene};
 
 use crate::answer::wedges::beyond_end;
 use crate::estimate::contact_ends::ContactEnd;
@@ -92,13 +92,26 @@ pub(crate) fn ends_at_corners_are_known(scene: &Scene, rows: &[ContactRow]) -> b
         let nearest = beside().min_by(|a, b| distance(a.point, at).total_cmp(&distance(b.point, at)));
         let Some(nearest) = nearest.filter(|row| row.pressure > 0.0) else { return true };
         let (beyond, is_straight) = beyond_end(outline, k, end > 0.5);
-        let goes_on = is_straight && outline.edges()[beyond].side == edge.side;
-        let flat = || is_flat(edge, contact, end) && is_parallel(scene, k, end);
+        let beyond = outline.edges()[beyond].side;
+        // behind the tip of a crack the bodies are tied
+        let is_tied = scene.problem.joint(beyond).is_some_and(|own| matches!(own.law, Law::Tied(_)));
+        let goes_on = is_straight && (beyond == edge.side || is_tied);
+        // shear at a free corner makes the pressure infinite there, of either sign
+        let smooth = || matches!(contact.friction, Friction::None) || is_symmetric(scene, k, end);
+        let flat = || smooth() && is_flat(edge, contact, end) && is_parallel(scene, k, end);
         goes_on || nearest.pressure >= PART_AT_CORNER * largest && flat()
     };
     let edges = outline.edges().iter().enumerate();
     let touching = edges.filter_map(|(k, edge)| Some((k, edge, scene.contact(edge.side)?)));
     touching.flat_map(|own| [(own, 0.0), (own, 1.0)]).all(|(own, end)| is_known(own, end))
+}
+
+/// Whether a support at an end of an edge holds its tangent alone: the edge goes on as its mirror image.
+pub(crate) fn is_symmetric(scene: &Scene, edge: usize, end: f64) -> bool {
+    let outline = &scene.problem.outline;
+    let (beyond, _) = beyond_end(outline, edge, end > 0.5);
+    let (side, tangent) = (&scene.problem.sides[outline.edges()[beyond].side], outline.edges()[edge].tangent(end));
+    (0..2).any(|i| side.holds(i) && !side.holds(1 - i) && tangent[1 - i].abs() <= SAME_PLACE)
 }
 
 /// Whether the other body at an end of an edge, if there is one, has the same tangent: the distance of both has no slope there.

@@ -11,6 +11,7 @@ use crate::answer::data_jumps::kinks;
 use crate::answer::probes::invariants;
 use crate::answer::wedges::beyond_end;
 use crate::bars::{Bars, Kind, OF_DIFFERENCE, ON_GRID, Of};
+use crate::contact_length::ends_at_corners_are_known;
 use crate::doubt::Doubt;
 use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
 use crate::reacting::{shared, works_alone};
@@ -25,6 +26,9 @@ const OF_CORNER: f64 = 3.0;
 
 /// Strain energy and J are opposite numbers up to this part of them where a theorem says so.
 const SAME_ENERGY: f64 = 1e-9;
+
+/// The part of an energy that a mesh leaves at most between what is told and what follows from J: more is another problem.
+const OF_LEFT: f64 = 0.1;
 
 /// A number with its error bar.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -239,6 +243,8 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         let uncertainty = all.of_energy.map_or(wide, |half| wide.min(OF_DIFFERENCE * d.max(half)));
         quantities.insert("energy".to_owned(), with(energy, uncertainty));
     }
+    // a short piece beside a corner may be open
+    let known_at_corners = ends_at_corners_are_known(scene, told.rows);
     let first = all.entries.iter().position(|entry| matches!(entry.of, Of::Named(_))).unwrap_or(0);
     for (k, (entry, &[value, uncertainty])) in all.entries.iter().zip(&all.values).enumerate() {
         let mut quantity = with(value, uncertainty);
@@ -263,6 +269,7 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                 }
             }
             Of::Reactions => continue,
+            Of::Friction if !known_at_corners => continue,
             Of::Friction => {}
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {
                 Some([length, of_vertices]) => {
@@ -318,7 +325,7 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         }
         quantities.insert(entry.path.clone(), quantity);
     }
-    of_energies(scene, &mut quantities, all, told.parts_of_energy);
+    of_energies(scene, &mut quantities, (all, known_at_corners), told.parts_of_energy);
     of_carrying_sides(scene, &mut quantities, told.reactions);
     if let Some(force) = told.force {
         of_contact(scene, &mut quantities, force);
@@ -334,7 +341,12 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
 
 /// Gives strain energy E and load work L error bars by those of J, of the work of reactions R and of that against friction F, of the
 /// solution of a mesh as well: E = R - J and L = R + F - 2J, of which what is told may differ by what a mesh leaves.
-fn of_energies(scene: &Scene, quantities: &mut Quantities, all: &Bars, [strain, load_work]: [f64; 2]) {
+fn of_energies(
+    scene: &Scene,
+    quantities: &mut Quantities,
+    (all, known_at_corners): (&Bars, bool),
+    [strain, load_work]: [f64; 2],
+) {
     let Some(energy) = quantities.get("energy").cloned() else { return };
     let of = |of: Of| all.entries.iter().zip(&all.values).find(|(entry, _)| entry.of == of).map(|(_, own)| *own);
     let has = |known: bool, entry: Of| if known { of(entry) } else { Some([0.0; 2]) };
@@ -351,11 +363,15 @@ fn of_energies(scene: &Scene, quantities: &mut Quantities, all: &Bars, [strain, 
         let left = (value - (sum(0) - factor * energy.value)).abs();
         let left = if left > SAME_ENERGY * value.abs() { left } else { 0.0 };
         let bar = factor * energy.uncertainty + sum(1);
-        if left > bar {
+        let of_corners = [reactions[0], of_friction * friction[0]];
+        // without loads their work is exactly zero
+        let unloaded = value == 0.0;
+        let known =
+            unloaded || known_at_corners || of_corners.iter().all(|work| work.abs() <= SAME_ENERGY * value.abs());
+        if !known || left > OF_LEFT * value.abs() {
             continue;
         }
-        // without loads their work is exactly zero
-        let uncertainty = if value == 0.0 { 0.0 } else { bar + left };
+        let uncertainty = if unloaded { 0.0 } else { bar + left };
         let parts = energy.parts.iter().map(|(name, part)| (name.clone(), part * uncertainty / energy.uncertainty));
         let quantity = Quantity { value, uncertainty, doubts: energy.doubts.clone(), parts: parts.collect() };
         quantities.insert(path.to_owned(), quantity);

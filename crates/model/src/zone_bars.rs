@@ -5,45 +5,49 @@
 //! a length             Σ over its ends
 //! ```
 //! Vertices follow the fits, so that δ_k is the change of the end since the step before. Under Coulomb's law, where the fit does not know the
-//! exponents of gap and slip, small shifts do not fall with the estimate: up to 1e-3 of the distance to the next end those of the step before
-//! count whole. A zone of stick that reaches an end of contact, a
+//! exponents of gap and slip, small shifts do not fall with the estimate: up to 4e-3 of the distance to the next end those of the two steps
+//! before count whole. A zone of stick that reaches an end of contact, a
 //! corner or a reversal of slip has no bar: the slip between them is narrower than what nodes see.
 
-use steklov_bem_operators::SAME_PLACE;
 use steklov_contact::{Located, TipKind};
 use steklov_elastic::plane::distance;
 use steklov_problem::{Friction, Scene};
 
 use crate::answer::report::zones;
-use crate::answer::wedges::beyond_end;
 use crate::bars::{OF_CHANGE, OF_DIFFERENCE, ROUNDED};
-use crate::contact_length::ends_at_corners_are_known;
+use crate::contact_length::{ends_at_corners_are_known, is_symmetric};
 use crate::refine::transitions::zone;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, Trace};
 
 /// Shifts that do not fall under Coulomb's law, over the distance to the next end.
-const STALLED: f64 = 1e-3;
+const STALLED: f64 = 4e-3;
 
-/// How far each transition may be off (length), in the order of those of the last of two steps, between which the estimate has fallen to the part
-/// `fallen`; none unless each has a vertex, and the step before has the same ones.
-pub(crate) fn off_by_fits(scene: &Scene, [before, last]: [&[Located]; 2], fallen: f64) -> Option<Vec<f64>> {
+/// How far each transition may be off (length), in the order of those of the last of two or three steps, between the last two of which the estimate
+/// has fallen to the part `fallen`; none unless each has a vertex, and the steps before have the same ones.
+pub(crate) fn off_by_fits(scene: &Scene, steps: &[&[Located]], fallen: f64) -> Option<Vec<f64>> {
+    let (last, before) = steps.split_last()?;
     let edges = scene.problem.outline.edges();
     let rank = |all: &[Located], of: &Located| {
         all.iter().filter(|own| (own.edge, own.kind) == (of.edge, of.kind) && own.s < of.s).count()
     };
+    let shift_in = |step: &[Located], end: &Located| {
+        let mut same = step.iter().filter(|own| (own.edge, own.kind) == (end.edge, end.kind));
+        Some(same.find(|own| rank(step, own) == rank(last, end))?.off.abs())
+    };
     let of = |end: &Located| {
-        let of_step = before.iter().filter(|own| (own.edge, own.kind) == (end.edge, end.kind));
-        let earlier = of_step.clone().find(|own| rank(before, own) == rank(last, end))?;
+        let shifts: Vec<f64> = before.iter().map(|step| shift_in(step, end)).collect::<Option<_>>()?;
         let edge = &edges[end.edge];
         let coulomb = scene.contact(edge.side)?.friction.coefficient().is_some();
         let stalls = if coulomb { STALLED * zone(end, last) } else { 0.0 };
-        let memory = (fallen * earlier.off.abs()).max(stalls.min(earlier.off.abs()));
+        let stalled = shifts.iter().fold(0.0, |most: f64, shift| most.max(shift.min(stalls)));
+        let memory = stalled.max(fallen * shifts.last()?);
         let off = OF_DIFFERENCE * end.off.abs().max(memory) + OF_CHANGE * end.off.abs();
         let [a, b] = [end.s - off, end.s + off].map(|s| edge.arc_fraction(s.clamp(0.0, 1.0)));
         Some((b - a) / 2.0 * edge.length())
     };
-    (last.len() == before.len() && last.iter().all(|end| end.at_vertex)).then(|| last.iter().map(of).collect())?
+    let same = before.iter().all(|step| step.len() == last.len());
+    (same && last.iter().all(|end| end.at_vertex)).then(|| last.iter().map(of).collect())?
 }
 
 /// What the lengths of zones need of a solution.
@@ -103,15 +107,10 @@ impl Zones<'_> {
             TipKind::StickEnd => true,
             TipKind::SlipReversal => false,
         };
-        let is_symmetric = |k: usize, s: f64| {
-            let (beyond, _) = beyond_end(&self.scene.problem.outline, k, s > 0.5);
-            let (side, tangent) = (&self.scene.problem.sides[edges[beyond].side], edges[k].tangent(s));
-            (0..2).any(|i| side.holds(i) && !side.holds(1 - i) && tangent[1 - i].abs() <= SAME_PLACE)
-        };
         let touching = edges.iter().enumerate().filter(|(_, edge)| pressed(edge.side).next().is_some());
         let mut corners = touching.flat_map(|(k, edge)| [0.0, 1.0].map(|s| (k, edge, s)));
         located.iter().all(at_ends)
-            && corners.all(|(k, edge, s)| slips_at(edge.side, edge.point(s)) || is_symmetric(k, s))
+            && corners.all(|(k, edge, s)| slips_at(edge.side, edge.point(s)) || is_symmetric(self.scene, k, s))
     }
 }
 

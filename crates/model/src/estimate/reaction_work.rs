@@ -17,6 +17,9 @@ use crate::error::SolveError;
 use crate::solve::body::Factors;
 use crate::solve::solution::Solved;
 
+/// The part of Σ |changes of nodes| that a change of the work against friction has at least.
+const OF_PARTS: f64 = 0.5;
+
 /// Whether the work of reactions of boundary elements is a quantity: where displacements or gaps may be prescribed, and known.
 pub(crate) fn has_reaction_work(scene: &Scene) -> bool {
     let problem = &scene.problem;
@@ -86,7 +89,7 @@ impl OnMesh<'_> {
         Ok([solved.reaction_work, solved.reaction_work + gained + self.held_work(solved)?])
     }
 
-    /// F of a solution and of the enriched spaces, which correct the displacement and change the forces at nodes so.
+    /// F of a solution, and with what the enriched spaces change, or half of the changes at all nodes without signs: these spaces correct the displacement and change the forces at nodes so.
     ///
     /// # Errors
     /// Data that are not finite.
@@ -99,24 +102,26 @@ impl OnMesh<'_> {
     ) -> Result<[f64; 2], SolveError> {
         let Some(contact) = &solved.contact else { return Ok([0.0; 2]) };
         let [u, e] = [&solved.displacement, &correction.base].map(|u| contact.boundary.relative(u));
-        let mut gained = self.friction_work_left(solved, factors)?;
+        let mut parts = vec![self.friction_work_left(solved, factors)?];
         let mut multipliers = contact.solution.multipliers.iter();
         for (node, condensed) in contact.boundary.nodes.iter().zip(&contact.boundary.contact) {
             let at = |of: &[f64], t: [f64; 2]| dot([of[2 * node.node], of[2 * node.node + 1]], t);
             for ((plane, condition), [_, shear]) in
                 node.conditions.iter().zip(&condensed.conditions).zip(multipliers.by_ref())
             {
-                gained += condition.tangent_weight * shear * at(&e, plane.tangent);
+                parts.push(condition.tangent_weight * shear * at(&e, plane.tangent));
             }
             if let ([one], true) = (&node.conditions[..], condensed.conditions[0].tangent_weight > 0.0) {
-                gained -= at(change, one.tangent) * at(&u, one.tangent);
+                parts.push(-at(change, one.tangent) * at(&u, one.tangent));
             }
         }
-        for bubble in bubbles {
+        parts.extend(bubbles.iter().map(|bubble| {
             let [_, t] = self.contact_frame(bubble.element);
-            let extra = [0, 1].map(|i| correction.extra[2 * bubble.element + i]);
-            gained -= bubble.load[1] * dot(extra, t);
-        }
+            -bubble.load[1] * dot([0, 1].map(|i| correction.extra[2 * bubble.element + i]), t)
+        }));
+        let (sum, size) = parts.iter().fold((0.0, 0.0), |(sum, size), part| (sum + part, size + part.abs()));
+        // sums cross zero by accident
+        let gained = f64::max(f64::abs(sum), OF_PARTS * size).copysign(sum);
         Ok([solved.energies.friction_work, solved.energies.friction_work + gained])
     }
 }

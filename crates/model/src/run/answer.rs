@@ -45,7 +45,9 @@ fn add_lengths(quantities: &mut Quantities, zones: Zones<'_>, doubts: &[String])
     for (of, sides) in std::iter::once(("contact".to_owned(), sides)).chain(own) {
         let [Some(length), stick] = zones.lengths(&sides) else { continue };
         let length = quantities.entry(format!("{of}.length")).or_insert_with(|| with(length)).clone();
-        let Some([stick, of_stick]) = stick else { continue };
+        // while the sets change stick may be anywhere
+        let settled = !doubts.iter().any(|doubt| doubt == Doubt::Sets.word());
+        let Some([stick, of_stick]) = stick.filter(|_| settled) else { continue };
         quantities.insert(format!("{of}.stick"), with([stick, of_stick]));
         let slip = [length.value - stick, length.uncertainty + of_stick];
         quantities.insert(format!("{of}.slip"), with(slip));

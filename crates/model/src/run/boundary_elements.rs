@@ -243,14 +243,15 @@ impl Model for BoundaryElements {
             let bars = Bars::over_outcomes(scene, reactions, &estimates, &over.quantities);
             OfMeans { bars, energy: Some(over.energy) }
         });
-        let located = |k: usize| &run.progress.steps[k].layout.located[..];
+        let steps: Vec<&[Located]> = run.progress.steps.iter().map(|step| &step.layout.located[..]).collect();
         let off = match estimates[..] {
             [.., before, last] => {
-                let count = run.progress.steps.len();
                 let fallen = if before.error > 0.0 { (last.error / before.error).min(1.0) } else { 1.0 };
-                off_by_fits(scene, [located(count - 2), located(count - 1)], fallen)
+                off_by_fits(scene, &steps[steps.len().saturating_sub(3)..], fallen)
             }
-            _ => None,
+            // of an exact solution that has no ends
+            [last] => (steps[0].is_empty() && last.relative < ROUNDOFF).then(Vec::new),
+            [] => None,
         };
         let bars_of_step = (step.estimate.as_ref(), bars);
         let report = boundary_report::report(scene, &run.last, bars_of_step, (&step.layout.located, off));
