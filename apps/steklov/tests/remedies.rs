@@ -53,6 +53,45 @@ fn an_overlap_is_told_as_an_interference() {
     assert!((length / (40.0 * std::f64::consts::PI) - 1.0).abs() < 1e-6, "{length}");
 }
 
+/// A roller beside a flat side that a cylinder faces: the direction of contact at its corner is oblique.
+#[test]
+fn a_corner_that_a_roller_holds_is_left_to_the_other_body() {
+    let place = Place::new();
+    let scene = r#"[[body]]
+name = "cylinder"
+corners = [[-1, 1], [1, 1]]
+sides = ["belly", "top"]
+arcs = { belly = { through = [0, 0] } }
+material = { young = 3000.0, poisson = 0.2 }
+[[body]]
+name = "block"
+corners = [[-2, -2], [2, -2], [2, 0], [-2, 0]]
+sides = ["bottom", "right", "top", "left"]
+[material]
+young = 1000.0
+poisson = 0.3
+[sides.cylinder.top]
+traction = ["0", "-8"]
+[sides.block.bottom]
+displacement = ["0.01", "0"]
+[sides.block.right]
+displacement = ["0.01", "free"]
+[[interface]]
+between = ["cylinder.belly", "block.top"]
+contact = { friction = { coulomb = "0.6" } }
+[method]
+tolerance = 0.3
+"#;
+    place.write("scene.toml", scene);
+    let err = place.run(["solve", "scene.toml"]).demand(1).err;
+    let told = err.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(told.contains("the point (2, 0) is held in x or y alone") && told.contains("[[interface]]"), "{err}");
+    assert!(told.contains("name its side as `multiplier` of the interface"), "{err}");
+    place.write("other.toml", scene.replace("contact =", "multiplier = \"cylinder.belly\"\ncontact ="));
+    let o = place.json(0, &["other.toml"]);
+    assert!((o["interfaces"][0]["force"][1].as_f64().unwrap() - 16.0).abs() < 1e-6, "{}", o["interfaces"]);
+}
+
 #[test]
 fn sides_that_are_not_there_are_answered_by_those_of_their_body() {
     let place = Place::new();

@@ -16,6 +16,14 @@ pub enum ContactError {
         /// What does not fit.
         what: String,
     },
+    /// What supports hold contradicts contact with another body.
+    #[error("supports contradict contact with another body: {what}")]
+    Supports {
+        /// What they hold, and where.
+        what: String,
+        /// What to change.
+        remedy: &'static str,
+    },
     /// A gap or friction bound is not finite somewhere, or cannot be integrated.
     #[error(transparent)]
     Data(#[from] BemError),

@@ -372,8 +372,9 @@ fn of_energies(
             continue;
         }
         let uncertainty = if unloaded { 0.0 } else { bar + left };
-        let parts = energy.parts.iter().map(|(name, part)| (name.clone(), part * uncertainty / energy.uncertainty));
-        let quantity = Quantity { value, uncertainty, doubts: energy.doubts.clone(), parts: parts.collect() };
+        let share = if energy.uncertainty > 0.0 { uncertainty / energy.uncertainty } else { 0.0 };
+        let parts = energy.parts.iter().map(|(name, part)| (name.clone(), share * part)).collect();
+        let quantity = Quantity { value, uncertainty, doubts: energy.doubts.clone(), parts };
         quantities.insert(path.to_owned(), quantity);
     }
 }

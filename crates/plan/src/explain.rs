@@ -199,6 +199,7 @@ fn of_contact<'a>(scene: &'a Scene, error: &ContactError) -> Blame<'a> {
             &[&["method", "degree"], &["method", "elements"], &["method"]],
             "raise method.degree to 2 or more, or ask for more method.elements",
         ),
+        ContactError::Supports { remedy, .. } => blame(Value, &[&["interface"], &["sides"]], remedy),
         ContactError::Decomposition { .. } => {
             blame(Value, &[&["material", "young"]], "choose units in which lengths and Young's modulus are nearer to 1")
         }

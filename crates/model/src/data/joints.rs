@@ -151,12 +151,12 @@ impl OnMesh<'_> {
         if own - faced - gap > 1e-9 * own.abs().max(faced.abs()).max(gap.abs()) {
             let [x, y] = self.space.points[row.node];
             let what = format!(
-                "the point ({x}, {y}) at the end of side {:?} and what it faces are held {} into each other, where the gap is {gap}: \
-                 hold them apart, or free one of them",
+                "the point ({x}, {y}) at the end of side {:?} and what it faces are held {} into each other, where the gap is {gap}",
                 self.mesh.side_names[self.mesh.side[e]],
                 own - faced
             );
-            return Err(ContactError::Inconsistent { what }.into());
+            let remedy = "hold the two bodies apart there, or free one of them";
+            return Err(ContactError::Supports { what, remedy }.into());
         }
         Ok(())
     }
@@ -218,9 +218,11 @@ impl OnMesh<'_> {
                 if row_of(node.node).is_some() && !aligned(node.conditions[0].normal) {
                     let [x, y] = node.point;
                     let what = format!(
-                        "the point ({x}, {y}) of an oblique side in contact with another body is held in x or y alone: hold both, or neither"
+                        "the point ({x}, {y}) is held in x or y alone, which is oblique to the direction of contact there"
                     );
-                    return Err(ContactError::Inconsistent { what }.into());
+                    let remedy = "hold both components of the side beside it, or neither; or let the other body carry pressure and \
+                                  shear: name its side as `multiplier` of the interface";
+                    return Err(ContactError::Supports { what, remedy }.into());
                 }
             }
         }
