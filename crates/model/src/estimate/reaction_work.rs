@@ -14,7 +14,7 @@ use steklov_problem::{Condition, Friction, Law, Multiplier, Scene};
 
 use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
-use crate::solve::body::Factors;
+use crate::solve::body::{Body, Factors, Loading};
 use crate::solve::solution::Solved;
 
 /// The part of Σ |changes of nodes| that a change of the work against friction has at least.
@@ -39,6 +39,21 @@ pub(crate) fn has_friction_work(scene: &Scene) -> bool {
         friction.coefficient().is_some() || friction.bound().is_some_and(|bound| bound.constant() != Some(0.0))
     };
     has_reaction_work(scene) && scene.contacts().any(|(_, contact)| rubs(&contact.friction))
+}
+
+impl Body {
+    /// (Su - f)·u: the work of all that is not a load; `forces` are S u of the bodies alone.
+    pub(crate) fn work_of_forces(&self, given: &Loading, displacement: &[f64], forces: &[f64]) -> f64 {
+        let mut own = displacement.to_vec();
+        for (body, p) in self.pieces.iter().zip(&given.particular) {
+            // the energies of an unbounded body are those without the particular solution
+            let Some(p) = p.as_ref().filter(|p| p.relative) else { continue };
+            let part = &body.piece.part;
+            let less: Vec<f64> = part.own(displacement).iter().zip(&p.displacement).map(|(u, p)| u - p).collect();
+            part.set(&mut own, &less);
+        }
+        own.iter().zip(forces).zip(&given.load).map(|((u, s), f)| u * (s - f)).sum()
+    }
 }
 
 impl OnMesh<'_> {

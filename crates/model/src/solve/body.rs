@@ -446,19 +446,6 @@ impl Body {
         Ok((displacement, Some((result, factors))))
     }
 
-    /// (Su - f)·u: the work of all that is not a load; `forces` are S u of the bodies alone.
-    fn work_of_forces(&self, given: &Loading, displacement: &[f64], forces: &[f64]) -> f64 {
-        let mut own = displacement.to_vec();
-        for (body, p) in self.pieces.iter().zip(&given.particular) {
-            // the energies of an unbounded body are those without the particular solution
-            let Some(p) = p.as_ref().filter(|p| p.relative) else { continue };
-            let part = &body.piece.part;
-            let less: Vec<f64> = part.own(displacement).iter().zip(&p.displacement).map(|(u, p)| u - p).collect();
-            part.set(&mut own, &less);
-        }
-        own.iter().zip(forces).zip(&given.load).map(|((u, s), f)| u * (s - f)).sum()
-    }
-
     /// ‖u - v‖², energy norm.
     fn squared_difference(&self, u: &[f64], v: &[f64]) -> f64 {
         let apart: Vec<f64> = u.iter().zip(v).map(|(a, b)| a - b).collect();
