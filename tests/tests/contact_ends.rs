@@ -3,16 +3,9 @@
 use std::f64::consts::PI;
 
 use steklov_model::quantities::Quantity;
-use steklov_model::run::adaptive_loop::Run;
-use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::Summary;
 use steklov_problem::Scene;
-use steklov_tests::{adapt, parse, scene};
-
-fn solved(scene: &Scene) -> Summary {
-    let run: Run<BoundaryElements> = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
-    Summary::of_run(scene, &run, None)
-}
+use steklov_tests::{parse, scene, summary as solved};
 
 /// The whole wave of length 1 or the half of it that `from` and `to` have, in a frame that is turned by 0 or ±90°, and mirrored.
 fn wave([from, to]: [f64; 2], a: f64, (angle, mirrored): (f64, bool), more: &str) -> Scene {

@@ -3,18 +3,10 @@
 use std::f64::consts::PI;
 
 use steklov_model::quantities::Quantity;
-use steklov_model::run::adaptive_loop::Run;
-use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::Summary;
-use steklov_problem::Scene;
-use steklov_tests::{adapt, parse, scene};
+use steklov_tests::{parse, scene, summary as solved};
 
 const ENERGIES: [&str; 3] = ["strain_energy", "load_work", "friction_work"];
-
-fn solved(scene: &Scene) -> Summary {
-    let run: Run<BoundaryElements> = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
-    Summary::of_run(scene, &run, None)
-}
 
 fn quantity<'s>(summary: &'s Summary, path: &str) -> &'s Quantity {
     summary.quantities.get(path).unwrap_or_else(|| panic!("{path} of {:?}", summary.quantities.keys()))

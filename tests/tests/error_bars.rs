@@ -1,16 +1,9 @@
 //! Error bars of energies, forces and numbers at points, judged by known solutions: the exact number lies inside, and the bar is not idle.
 
 use steklov_model::quantities::Quantity;
-use steklov_model::run::adaptive_loop::Run;
-use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::Summary;
 use steklov_problem::Scene;
-use steklov_tests::{adapt, parse, scene};
-
-fn solved(scene: &Scene) -> Summary {
-    let run: Run<BoundaryElements> = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
-    Summary::of_run(scene, &run, None)
-}
+use steklov_tests::{adapt, parse, scene, summary as solved};
 
 fn quantity<'s>(summary: &'s Summary, path: &str) -> &'s Quantity {
     summary.quantities.get(path).unwrap_or_else(|| panic!("{path} of {:?}", summary.quantities.keys()))

@@ -3,18 +3,10 @@
 use std::f64::consts::PI;
 
 use steklov_model::quantities::Quantity;
-use steklov_model::run::adaptive_loop::Run;
-use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::run::expect::check_expect;
-use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_quadrature::gauss_legendre;
-use steklov_tests::{adapt, parse, scene};
-
-fn solved(scene: &Scene) -> Summary {
-    let run: Run<BoundaryElements> = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
-    Summary::of_run(scene, &run, None)
-}
+use steklov_tests::{parse, scene, summary as solved};
 
 fn made(text: &str) -> Scene {
     parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))

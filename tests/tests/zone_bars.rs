@@ -1,15 +1,11 @@
 //! Error bars of the lengths of contact, stick and slip whose ends are fitted, judged by solutions of smaller tolerances and other meshes.
 
 use steklov_model::quantities::Quantity;
-use steklov_model::run::adaptive_loop::Run;
-use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::Summary;
-use steklov_tests::{adapt, parse, scene};
+use steklov_tests::{parse, scene, summary};
 
 fn solved(name: &str, settings: &[&str]) -> Summary {
-    let scene = scene(name, &[&["expect={}"], settings].concat());
-    let run: Run<BoundaryElements> = adapt(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
-    Summary::of_run(&scene, &run, None)
+    summary(&scene(name, &[&["expect={}"], settings].concat()))
 }
 
 /// A length of contact.
@@ -66,9 +62,7 @@ fn contact_with_friction_at_a_free_corner_has_no_bar() {
     let text = "body = { corners = [[0, 0], [4, 0], [4, 2], [0, 2]], sides = [\"bottom\", \"right\", \"top\", \"left\"] }\n\
                 material = { young = 1000, poisson = 0.3 }\nsides.bottom.contact = { gap = \"0.001*(x - 2.3)^2\", friction = { coulomb = \"0.5\" } }\n\
                 sides.top.pressure = 30\nsides.left.displacement = [0.03, \"free\"]\nmethod.tolerance = 1e-3\n";
-    let scene = parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
-    let run: Run<BoundaryElements> = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
-    let own = Summary::of_run(&scene, &run, None);
+    let own = summary(&parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render())));
     for path in ["contact.length", "friction_work", "load_work", "strain_energy"] {
         assert!(!own.quantities.contains_key(path), "{path}: {:?}", own.quantities.get(path));
     }
