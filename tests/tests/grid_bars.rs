@@ -173,6 +173,59 @@ fn bars_of_fine_grids_hold_against_boundary_elements() {
     assert!(narrow >= 0.75 && ten >= 0.9, "{narrow} {ten}");
 }
 
+/// A rectangle of 2 by 1, pushed onto a parabola from above, without friction or by either law.
+fn random_contact(random: &mut Random, scene: usize) -> String {
+    let number: [f64; 10] = std::array::from_fn(|_| random.between(0.0, 1.0));
+    let [gap, at, push, shift, poisson, load, a, b, c, d] = number;
+    let friction = ["", ", friction = { tresca = 0.2 }", ", friction = { coulomb = 0.25 }"][scene % 3];
+    format!(
+        "body = {{ corners = [[0, 0], [2, 0], [2, 1], [0, 1]], sides = [\"lower\", \"right\", \"upper\", \"left\"] }}\n\
+         material = {{ poisson = {}, young = 10 }}\nsides.upper.displacement = [{}, {}]\n\
+         sides.lower.contact = {{ gap = \"{}*(x - {})^2\"{friction} }}\nsides.right.traction = [{}, 0]\n\
+         probe.points = [[{}, {}], [{}, 1], [2, {}], [{}, 0]]\n\
+         [quantities]\nturn = {{ moment = \"lower\", about = [1, 0] }}\nmean = {{ mean_displacement = \"right\" }}\n",
+        0.4 * poisson,
+        0.02 * (shift - 0.5),
+        -0.03 - 0.03 * push,
+        0.1 + 0.2 * gap,
+        0.7 + 0.6 * at,
+        load - 0.5,
+        2.0 * a,
+        0.2 + 0.7 * b,
+        2.0 * c,
+        0.2 + 0.7 * d,
+        0.9 + 0.2 * c,
+    )
+}
+
+/// Ends of contact lie between nodes, and the pressure is lumped there.
+#[test]
+fn bars_with_contact_hold_against_boundary_elements() {
+    let (mut random, mut found) = (Random::new(13), Vec::new());
+    for scene in 0..9 {
+        let text = random_contact(&mut random, scene);
+        let exact = summary(&parse(&text, &["method.tolerance=1e-4"]).expect("a scene"));
+        let grids = [(8, 1, "fem"), (16, 1, "fem"), (8, 4, "msfem")];
+        for (n, fine, model) in grids {
+            let cells = format!("coarse = [{}, {n}]\nfine = [{fine}, {fine}]\n", 2 * n);
+            let own = solved(&format!("{text}[grid]\n{cells}[method]\nmodel = \"{model}\"\n"));
+            for path in ["energy", "contact.force.y", "reactions.lower.x", "moment.turn", "probe.3.displacement.y"] {
+                assert!(own.quantities.contains_key(path), "{path}\n{text}");
+            }
+            let own = effectivities(&own, &exact, |quantity| quantity.uncertainty);
+            if own.iter().any(|e| *e < 0.5) {
+                println!("{own:?} on {n} cells of {fine}\n{text}");
+            }
+            found.extend(own);
+        }
+    }
+    let least = found.iter().fold(f64::INFINITY, |m: f64, e| m.min(*e));
+    let ([half, narrow], [third, ten]) = (shares(&found, 0.5, 4.0), shares(&found, 0.3, 10.0));
+    println!("{} numbers: half {half}, third {third}, least {least}, at most 4 {narrow}, 10 {ten}", found.len());
+    assert!(found.len() > 500 && half >= 0.97 && third >= 0.995 && least >= 0.1, "{half} {third} {least}");
+    assert!(narrow >= 0.4 && ten >= 0.7, "{narrow} {ten}");
+}
+
 #[test]
 fn the_multiscale_part_is_that_of_the_fine_grid() {
     let (mut random, mut found) = (Random::new(12), Vec::new());

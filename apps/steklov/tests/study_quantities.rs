@@ -107,13 +107,6 @@ fn what_has_no_bars_at_steps_is_refused() {
     let ran = place.run(one_mesh).demand(1);
     assert!(ran.err.contains("its mesh is not refined") && ran.err.contains("method.refine = \"hp\""), "{}", ran.err);
 
-    place.write(
-        "grid.toml",
-        WAVES.replace("[quantities]\ncrest = { pressure_at = [0, 0] }", "[grid]\nfine = [8, 48]\ncoarse = [2, 12]"),
-    );
-    let ran = place.run(["study", "grid.toml", "--what", "quantities", "--set", "method.model=\"fem\""]).demand(1);
-    assert!(ran.err.contains("a grid with contact") && ran.err.contains("leave the grid out"), "{}", ran.err);
-
     let random = WAVES
         .replace("0.01726149809664721", "\"0.017 + 0.001*g\"")
         .replace("[quantities]\ncrest = { pressure_at = [0, 0] }", "")

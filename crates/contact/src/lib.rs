@@ -64,6 +64,7 @@ pub use on_mesh::conditions::contact_boundary;
 pub use on_mesh::decided::{Decided, Least, decided};
 pub use on_mesh::inf_sup::{InfSup, dual_form, inf_sup};
 pub use on_mesh::lines::{ContactLine, ElementConditions, LinePoint};
+pub use on_mesh::moved_ends::{MovedEnd, moved_ends};
 pub use on_mesh::multiplier_space::{
     MultiplierCell, MultiplierDegree, MultiplierElement, MultiplierMesh, MultiplierNode, MultiplierSpace,
 };
@@ -76,7 +77,7 @@ pub use on_mesh::tips::{KnownEnd, Located, Obstacle, Solved, Tip, relocate, unlo
 pub use on_mesh::transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, tip_fits, transitions};
 pub use solvers::active_set::active_set;
 pub use solvers::fixed_point::fixed_point;
-pub use solvers::frozen::{Frozen, Sets};
+pub use solvers::frozen::{Frozen, FrozenDual, Sets};
 pub use solvers::interior_point::interior_point;
 pub use solvers::kkt::{Kkt, kkt, kkt_in_body};
 pub use solvers::motions::{ContactEdge, lifting_motion, resisted_motions};

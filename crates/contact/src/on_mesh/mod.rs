@@ -6,6 +6,7 @@ pub(crate) mod conditions;
 pub(crate) mod decided;
 pub(crate) mod inf_sup;
 pub(crate) mod lines;
+pub(crate) mod moved_ends;
 pub(crate) mod multiplier_space;
 pub(crate) mod multiplier_trace;
 pub(crate) mod node_data;

@@ -45,17 +45,7 @@ pub(crate) fn solve_coupled(
 ) -> Result<Linear, ContactError> {
     let s = &problem.stiffness;
     let free = Free::new(problem, laws, pieces);
-    let (mut known, mut tests): (_, Vec<Direction>) = (vec![0.0; problem.load.len()], Vec::new());
-    let mut trials = free.directions.iter().peekable();
-    for ((node, law), piece) in problem.nodes.iter().zip(laws).zip(pieces) {
-        let (fixed, directions) = forces(node, law, piece);
-        known[node.first..node.first + node.unknowns].copy_from_slice(&fixed[..node.unknowns]);
-        while let Some(&&(first, k, e)) = trials.peek().filter(|d| d.0 == node.first) {
-            let across = |r: &[f64; 2]| turned(unit(*r));
-            tests.push((first, k, if k == 2 { directions.first().map_or(e, across) } else { e }));
-            trials.next();
-        }
-    }
+    let (known, tests) = tests(problem, laws, pieces, &free);
     let rest = |v: &[f64]| -> Vec<f64> {
         let elastic = s.times(v);
         (0..known.len()).map(|i| problem.load[i] - elastic[i] - known[i]).collect()
@@ -71,6 +61,22 @@ pub(crate) fn solve_coupled(
     let unbalanced = free.expand(&project(&tests, &excess));
     let force = excess.iter().zip(&known).map(|(r, k)| r + k).collect();
     Ok(Linear { displacement, force, unbalanced })
+}
+
+/// The forces that the pieces prescribe, m entries, and a test direction for each direction that they leave free.
+pub(crate) fn tests(problem: &Problem, laws: &[Law], pieces: &[Piece], free: &Free) -> (Vec<f64>, Vec<Direction>) {
+    let (mut known, mut tests): (_, Vec<Direction>) = (vec![0.0; problem.load.len()], Vec::new());
+    let mut trials = free.directions.iter().peekable();
+    for ((node, law), piece) in problem.nodes.iter().zip(laws).zip(pieces) {
+        let (fixed, directions) = forces(node, law, piece);
+        known[node.first..node.first + node.unknowns].copy_from_slice(&fixed[..node.unknowns]);
+        while let Some(&&(first, k, e)) = trials.peek().filter(|d| d.0 == node.first) {
+            let across = |r: &[f64; 2]| turned(unit(*r));
+            tests.push((first, k, if k == 2 { directions.first().map_or(e, across) } else { e }));
+            trials.next();
+        }
+    }
+    (known, tests)
 }
 
 /// The force that a piece prescribes, and the direction of the force of each line that is on, slip that goes with it

@@ -35,11 +35,7 @@ impl Free {
 
     /// E x.
     pub fn expand(&self, x: &[f64]) -> Vec<f64> {
-        let mut v = vec![0.0; self.fixed.len()];
-        for (&(first, k, e), x) in self.directions.iter().zip(x) {
-            (0..k).for_each(|i| v[first + i] += e[i] * x);
-        }
-        v
+        expand(&self.directions, x, self.fixed.len())
     }
 
     /// Eᵀ S E.
@@ -55,6 +51,15 @@ impl Free {
 pub(crate) fn project(columns: &[Direction], y: &[f64]) -> Vec<f64> {
     let along = |&(first, k, e): &Direction| (0..k).map(|i| e[i] * y[first + i]).sum();
     columns.iter().map(along).collect()
+}
+
+/// E x of the columns E, with m entries.
+pub(crate) fn expand(columns: &[Direction], x: &[f64], m: usize) -> Vec<f64> {
+    let mut v = vec![0.0; m];
+    for (&(first, k, e), x) in columns.iter().zip(x) {
+        (0..k).for_each(|i| v[first + i] += e[i] * x);
+    }
+    v
 }
 
 /// Eᵀ S D of the columns E (tests) and D (trials), full storage.

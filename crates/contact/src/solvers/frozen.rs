@@ -1,8 +1,11 @@
 //! Contact problems with given sets: which conditions are closed, which stick, which slip.
 
-use crate::solvers::free::{Free, off_forces};
+use steklov_algebra::Lu;
+
+use crate::solvers::coupled::tests;
+use crate::solvers::free::{Direction, Free, expand, form, off_forces, project};
 use crate::solvers::law::{Branch, Law, Piece};
-use crate::solvers::linear::Semidefinite;
+use crate::solvers::linear::{Semidefinite, is_regular, solve_with};
 use crate::solvers::pieces::{laws, nearest_pieces};
 use crate::{ContactError, Problem, Solution, Start};
 
@@ -126,6 +129,42 @@ impl<'a> Frozen<'a> {
                 self.free.expand(&factor.solve(&load, &vec![0.0; load.len()]))
             }
             None => vec![0.0; load.len()],
+        }
+    }
+}
+
+/// Dual problems at given sets.
+///
+/// ```text
+/// z = y in the test directions,   δv·(S z - j) = 0 for all δv in the trial directions
+/// ```
+/// A condition that slips under Coulomb's law has the test direction t - ±μ D_t/D_n n, as its shear follows its pressure: j·v then changes by
+/// z·δf where the load changes by δf. Else both directions are the same.
+pub struct FrozenDual<'a> {
+    frozen: &'a Frozen<'a>,
+    coupled: Option<(Vec<Direction>, Lu)>,
+}
+
+impl<'a> FrozenDual<'a> {
+    /// Factorises the transposed matrix under Coulomb's law; `sets` are those of `frozen`.
+    pub fn new(frozen: &'a Frozen<'a>, sets: &Sets) -> Self {
+        let (problem, free) = (frozen.problem, &frozen.free);
+        let coupled = (problem.is_coulomb() && !free.directions.is_empty()).then(|| {
+            let (_, tests) = tests(problem, &sets.laws, &sets.pieces, free);
+            let factor = Lu::new(form(&problem.stiffness, &free.directions, &tests).as_ref());
+            (tests, factor)
+        });
+        Self { frozen, coupled: coupled.filter(|(_, factor)| is_regular(factor)) }
+    }
+
+    /// y for the load j.
+    pub fn solution(&self, load: &[f64]) -> Vec<f64> {
+        match &self.coupled {
+            Some((tests, factor)) => {
+                let x = solve_with(factor, &project(&self.frozen.free.directions, load));
+                expand(tests, &x, load.len())
+            }
+            None => self.frozen.correction(load),
         }
     }
 }

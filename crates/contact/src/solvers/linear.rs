@@ -116,9 +116,7 @@ pub(crate) fn solve_semidefinite(k: &Symmetric, b: &[f64], near: &[f64]) -> Resu
 pub(crate) fn solve_general(a: &Mat<f64>, b: &[f64]) -> Result<Vec<f64>, ContactError> {
     let n = b.len();
     let factor = Lu::new(a.as_ref());
-    let pivots = factor.pivots();
-    let largest = pivots.iter().fold(0.0f64, |m, u| m.max(u.abs()));
-    if pivots.iter().all(|u| u.abs() > PIVOT * largest) {
+    if is_regular(&factor) {
         let mut x = factor.solve(to_matrix(b).as_ref());
         spoil(x.as_mut(), false);
         let x = column(&x);
@@ -133,6 +131,18 @@ pub(crate) fn solve_general(a: &Mat<f64>, b: &[f64]) -> Result<Vec<f64>, Contact
         coefficients[(j, 0)] = if s[j] > CUTOFF * s[0] { coefficients[(j, 0)] / s[j] } else { 0.0 };
     }
     Ok(column(&(svd.right * coefficients)))
+}
+
+/// Whether no pivot is negligible.
+pub(crate) fn is_regular(factor: &Lu) -> bool {
+    let pivots = factor.pivots();
+    let largest = pivots.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+    pivots.iter().all(|u| u.abs() > PIVOT * largest)
+}
+
+/// A⁻¹ b of a regular A.
+pub(crate) fn solve_with(factor: &Lu, b: &[f64]) -> Vec<f64> {
+    column(&factor.solve(to_matrix(b).as_ref()))
 }
 
 /// S v, with the sums in the order of the columns.

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::oracle::distance;
 use super::rows::Row;
 use crate::proptest::{Friction, mixed, ordinary};
-use crate::{Condition, ContactNode, Frozen, Problem, Sets, Status, interior_point};
+use crate::{Condition, ContactNode, Frozen, FrozenDual, Problem, Sets, Solution, Status, interior_point};
 
 fn conditions(problem: &Problem) -> impl Iterator<Item = (&ContactNode, &Condition)> {
     problem.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c)))
@@ -60,6 +60,33 @@ proptest! {
             prop_assert!(sets.slip(i) != Some(0) || along(c.tangent, &correction).abs() < 1e-12);
             prop_assert!(!sets.closed(i) || c.opening(node.pick(&sum)).abs() < 1e-12);
         }
+    }
+
+    /// j·v changes by y·δf with the load, the shear of Coulomb's law with the pressure.
+    #[test]
+    fn a_dual_solution_is_the_slope_of_its_number(
+        problem in mixed(6, Friction::Coulomb(0.5)), numbers in proptest::collection::vec((-1.0..1.0f64, -1.0..1.0f64), 12)
+    ) {
+        let solution = interior_point(&problem).unwrap();
+        prop_assume!(solution.converged());
+        let sets = Sets::new(&problem, &solution).unwrap();
+        let frozen = Frozen::new(&problem, &sets).unwrap();
+        let m = problem.load.len();
+        let j: Vec<f64> = numbers[..m].iter().map(|own| own.0).collect();
+        let y = FrozenDual::new(&frozen, &sets).solution(&j);
+        let step = 1e-5 * problem.stiffness.norm_max();
+        let of = |sign: f64| {
+            let mut loaded = problem.clone();
+            loaded.load.iter_mut().zip(&numbers).for_each(|(f, own)| *f += sign * step * own.1);
+            interior_point(&loaded).unwrap()
+        };
+        let [less, more] = [-1.0, 1.0].map(of);
+        let same = |other: &Solution| other.converged() && other.status == solution.status;
+        prop_assume!(same(&less) && same(&more));
+        let slope: f64 = (0..m).map(|i| j[i] * (more.displacement[i] - less.displacement[i]) / (2.0 * step)).sum();
+        let work: f64 = (0..m).map(|i| y[i] * numbers[i].1).sum();
+        let size: f64 = y.iter().map(|y| y.abs()).sum();
+        prop_assert!((work - slope).abs() <= 1e-6 * size, "{work:e} {slope:e} of {size:e}");
     }
 
     #[test]

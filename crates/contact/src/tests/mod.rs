@@ -10,6 +10,7 @@ mod frozen;
 mod interior_points;
 mod laws;
 mod lines;
+mod moved_ends;
 mod refusals;
 mod solvers;
 mod sparse;

@@ -3,6 +3,7 @@
 //! ```text
 //! number              J(u) = j·u,  or Σ w·(K u - f) over the nodes of a support: the work of its forces on a field w
 //! dual solution       K z = -j where nothing is held,  z = w at the support and 0 where else something holds the body
+//! contact             held where its sets hold u_h, see `frozen_contact.rs`; ½ of what an end changes that moves by a node
 //! coarse cells        J(u_h) - J(u_H) = -ρ_z·c,  ρ_z = -j - K z,  c = u_h - u_H by conjugate gradients from the residual of u_H
 //! fine grid           J(u) - J(u_h) ≈ Σ_T η_T of the bubbles of each fine cell, see `steklov_msfem::bubble_weighted_residuals`
 //! ```
@@ -17,6 +18,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
+use steklov_contact::MovedEnd;
 use steklov_elastic::plane::dot;
 use steklov_msfem::{
     Bases, Basis, BubbleDual, BubbleResidual, CoarseCell, Elimination, Extra, HeterogeneousBody, Multiscale,
@@ -25,16 +27,20 @@ use steklov_msfem::{
 use steklov_problem::steklov_expression::Expression;
 use steklov_problem::{Condition, Scene};
 
+use super::frozen_contact::{FrozenContact, FrozenProblem, on_contact, with_frozen};
 use super::functionals::{GridFunctional, GridFunctionals, Number, Weight};
 use super::solution::{CoarseSolved, GridSolved};
 use super::solve::Acting;
 use super::solve_coarse::lift;
+use super::system::CondensedContact;
 use super::trace::GridTrace;
 use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
 
 /// The part of Σ |η_T| that a difference has at least.
 const OF_WEIGHTED: f64 = 0.5;
+/// The part of what an end changes that moves by a whole node: it is nearer to where the sets have it.
+const OF_NODE: f64 = 0.5;
 /// Gain of energy at which u_h is near enough.
 const ENOUGH: f64 = 3e-2;
 
@@ -61,14 +67,15 @@ pub(crate) struct DualData {
 /// The factor of the equations of a grid, and what is held at the nodes of the boundary of the fine one.
 pub(super) struct Factors {
     pub elimination: Elimination,
+    pub contact: Option<CondensedContact>,
     pub held: Vec<Held>,
     /// The bases of coarse cells, and what is held at the nodes of their boundary.
     pub coarse: Option<(Bases, Vec<Held>)>,
 }
 
 impl GridSolved {
-    /// The numbers of the scene with the parts of their errors, in the order of the error bars; none where they are not known: with contact
-    /// or a medium, of a body that can move as a whole, of bases that do not conform, and once a next step has begun.
+    /// The numbers of the scene with the parts of their errors, in the order of the error bars; none where they are not known: in a medium,
+    /// of a body that can move as a whole, of bases that do not conform, and once a next step has begun.
     ///
     /// *Cost*: at the first call a solution with the factor for each number, and one of the fine grid by conjugate gradients.
     pub fn quantities(&self, scene: &Scene) -> &[GridQuantity] {
@@ -101,22 +108,65 @@ impl GridSolved {
 struct Duals<'a> {
     functionals: GridFunctionals<'a>,
     solutions: Vec<Vec<f64>>,
+    /// How the functionals change where an end of contact or stick moves, by ends and sides, and J.
+    of_ends: Vec<Vec<[f64; 2]>>,
+    energy_of_ends: f64,
     acting: Acting,
     is_held: Vec<bool>,
+    contact: FrozenContact,
 }
 
 impl<'a> Duals<'a> {
     fn new(scene: &'a Scene, solved: &GridSolved, data: DualData) -> Result<Self, SolveError> {
-        let DualData { acting, is_held, factors } = data;
-        let functionals = GridFunctionals::new(scene, solved, &acting.fine);
-        let solutions = solutions(&functionals.functionals, solved, &acting, factors)?;
-        Ok(Self { functionals, solutions, acting, is_held })
+        let DualData { acting, mut is_held, factors } = data;
+        let sets = factors.contact.as_ref().map(|condensed| &condensed.factors.sets);
+        let contact = FrozenContact::new(scene, solved, sets);
+        let functionals = GridFunctionals::new(scene, solved, &acting.fine, &contact);
+        contact.held.keys().for_each(|&unknown| is_held[unknown] = true);
+        let Solutions { solutions, of_ends, energy_of_ends } =
+            solutions(&functionals.functionals, solved, &acting, factors)?;
+        Ok(Self { functionals, solutions, of_ends, energy_of_ends, acting, is_held, contact })
     }
 }
 
-/// Whether error bars of numbers are known: without contact and a medium.
+/// Whether error bars of numbers are known: without a medium.
 pub(super) fn are_known(scene: &Scene) -> bool {
-    scene.surroundings().is_none() && scene.contacts().next().is_none()
+    scene.surroundings().is_none()
+}
+
+/// Dual solutions on the fine nodes.
+#[derive(Default)]
+struct Solutions {
+    solutions: Vec<Vec<f64>>,
+    of_ends: Vec<Vec<[f64; 2]>>,
+    energy_of_ends: f64,
+}
+
+impl Solutions {
+    /// The fields of several loads and held displacements of the unknowns of a factor.
+    fn new(
+        functionals: &[GridFunctional<'_>],
+        solved: &GridSolved,
+        (elimination, condensed): (&Elimination, Option<&CondensedContact>),
+        (loads, held): (&[Vec<f64>], &[Vec<f64>]),
+    ) -> Result<Self, SolveError> {
+        let (Some(condensed), Some(contact)) = (condensed, &solved.contact) else {
+            return Ok(Self { solutions: elimination.fields(loads, held), ..Self::default() });
+        };
+        let largest = |both: &[MovedEnd; 2]| both.iter().map(|end| end.energy.abs()).fold(0.0, f64::max);
+        let all = |frozen: &FrozenProblem<'_>, moved: &[[MovedEnd; 2]]| {
+            let of = |(functional, (load, held)): (&GridFunctional<'_>, (&Vec<f64>, &Vec<f64>))| {
+                let w = match &functional.of_forces {
+                    Some((side, w)) => on_contact(&contact.boundary, *side, w),
+                    None => vec![0.0; condensed.factors.problem.load.len()],
+                };
+                frozen.field(load, held, &w)
+            };
+            let (solutions, of_ends) = functionals.iter().zip(loads.iter().zip(held)).map(of).unzip();
+            Self { solutions, of_ends, energy_of_ends: OF_NODE * moved.iter().map(largest).sum::<f64>() }
+        };
+        Ok(with_frozen(elimination, condensed, contact.reported(), all)?)
+    }
 }
 
 /// The dual solutions on the fine nodes.
@@ -125,14 +175,15 @@ fn solutions(
     solved: &GridSolved,
     acting: &Acting,
     factors: Factors,
-) -> Result<Vec<Vec<f64>>, SolveError> {
+) -> Result<Solutions, SolveError> {
     let (body, trace, fine) = (&solved.body, &solved.trace, &acting.fine);
-    let Factors { elimination, held: fine_held, coarse } = factors;
+    let Factors { elimination, contact, held: fine_held, coarse } = factors;
+    let factor = (&elimination, contact.as_ref());
     let values = |space, held: &[Held]| Supports { space, held }.values();
     let (Some((bases, held)), Some(of_mesh)) = (coarse, &solved.coarse) else {
         let loads: Vec<Vec<f64>> = functionals.iter().map(|f| f.load.nodal(body)).collect();
         let held: Vec<Vec<f64>> = functionals.iter().map(|f| values(&fine.space, &f.held(fine, &fine_held))).collect();
-        return Ok(elimination.fields(&loads, &held));
+        return Solutions::new(functionals, solved, factor, (&loads, &held));
     };
     let problem = Multiscale::with_bases(body, of_mesh.mesh.clone(), bases);
     let (mut loads, mut of_held, mut extras) = (Vec::new(), Vec::new(), Vec::new());
@@ -144,11 +195,13 @@ fn solutions(
         of_held.push(values(&trace.space, &own));
         extras.push(extra);
     }
-    let fields = elimination.fields(&loads, &of_held).into_iter().zip(&extras).zip(functionals);
+    let on_vertices = Solutions::new(functionals, solved, factor, (&loads, &of_held))?;
+    let fields = on_vertices.solutions.into_iter().zip(&extras).zip(functionals);
     let fine = |((coarse, extra), functional): ((Vec<f64>, &Extra), &GridFunctional<'_>)| {
-        Ok(problem.downscale(&coarse, &functional.load, extra, &mut |_| true)?)
+        Ok::<_, SolveError>(problem.downscale(&coarse, &functional.load, extra, &mut |_| true)?)
     };
-    fields.map(fine).collect()
+    let solutions = fields.map(fine).collect::<Result<_, _>>()?;
+    Ok(Solutions { solutions, ..on_vertices })
 }
 
 impl Duals<'_> {
@@ -158,24 +211,58 @@ impl Duals<'_> {
         let mut energy = GridQuantity { value: solved.energies.total, fine_grid: 0.0, multiscale: 0.0 };
         if let Some(coarse) = &solved.coarse {
             let (load, forces) = (self.acting.loads.nodal(&solved.body), solved.body.forces(&solved.displacement));
-            let residual: Vec<f64> = load.iter().zip(&forces).map(|(f, ku)| f - ku).collect();
-            let c = fine_correction(&solved.body, &residual, &self.is_held, ENOUGH);
+            let mut residual: Vec<f64> = load.iter().zip(&forces).map(|(f, ku)| f - ku).collect();
+            let add_shear = |residual: &mut Vec<f64>, follows: bool| {
+                for own in self.contact.shear.iter().filter(|own| own.follows == follows) {
+                    (0..2).for_each(|k| residual[2 * own.node + k] += own.force[k]);
+                }
+            };
+            add_shear(&mut residual, false);
+            let mut with_shear = residual.clone();
+            add_shear(&mut with_shear, true);
+            let c = self.correction(&solved.body, &with_shear);
             of_coarse = self.of_coarse_cells(solved, coarse, &residual, &c);
-            // J(u_H) - J(u_h) = ½ a(c, c)
-            energy.multiscale = residual.iter().zip(&c).map(|(r, c)| r * c).sum::<f64>() / 2.0;
+            // J(u_H) - J(u_h) = r·c - ½ a(c, c)
+            let work: f64 = with_shear.iter().zip(&c).map(|(r, c)| r * c).sum();
+            energy.multiscale = (work - solved.body.energy(&c, &c) / 2.0).abs() + self.energy_of_ends;
             u.to_mut().iter_mut().zip(&c).for_each(|(u, c)| *u += c);
         }
         let (of_cells, of_energy) = self.of_fine_cells(scene, &solved.body, &u);
         energy.fine_grid = difference(&[(0, 1.0)], &of_energy, 1);
+        energy.fine_grid += if solved.coarse.is_none() { self.energy_of_ends } else { 0.0 };
         let count = self.solutions.len();
         let of_loads = self.of_loads(&solved.body);
-        let number = |Number { value, sum, off }: &Number| GridQuantity {
-            value: *value,
-            fine_grid: difference(sum, &of_cells, count).max(*off)
-                + sum.iter().map(|&(k, weight)| weight.abs() * of_loads[k]).sum::<f64>(),
-            multiscale: difference(sum, &of_coarse, count),
+        let number = |Number { value, sum, off }: &Number| {
+            let mut own = GridQuantity {
+                value: *value,
+                fine_grid: difference(sum, &of_cells, count).max(*off)
+                    + sum.iter().map(|&(k, weight)| weight.abs() * of_loads[k]).sum::<f64>(),
+                multiscale: difference(sum, &of_coarse, count),
+            };
+            // ends lie between the nodes of contact
+            let part = if solved.coarse.is_some() { &mut own.multiscale } else { &mut own.fine_grid };
+            *part += self.of_moved_ends(sum);
+            own
         };
         (self.functionals.numbers.iter().map(number).collect(), Some(energy))
+    }
+
+    /// The change of a sum of functionals where the ends of contact and stick move, over all of them.
+    fn of_moved_ends(&self, sum: &[(usize, f64)]) -> f64 {
+        let ends = self.of_ends.first().map_or(0, Vec::len);
+        let of = |end: usize, k: usize| -> f64 { sum.iter().map(|&(of, by)| by * self.of_ends[of][end][k]).sum() };
+        OF_NODE * (0..ends).map(|end| of(end, 0).abs().max(of(end, 1).abs())).sum::<f64>()
+    }
+
+    /// u_h - u_H from the residual f - K u_H, with the gap where contact holds u_h.
+    fn correction(&self, body: &HeterogeneousBody, residual: &[f64]) -> Vec<f64> {
+        let mut c = vec![0.0; residual.len()];
+        self.contact.held.iter().for_each(|(&unknown, &lacks)| c[unknown] = lacks);
+        let of_gap = if self.contact.held.is_empty() { c.clone() } else { body.forces(&c) };
+        let rest: Vec<f64> = residual.iter().zip(of_gap).map(|(r, f)| r - f).collect();
+        let free = fine_correction(body, &rest, &self.is_held, ENOUGH);
+        c.iter_mut().zip(free).for_each(|(c, free)| *c += free);
+        c
     }
 
     /// The work of what is uncertain in body forces on each dual solution, at most.
@@ -188,8 +275,13 @@ impl Duals<'_> {
     /// η_T of the functionals in each fine cell, one cell after the other, and the changes of J; u is the solution on the fine grid.
     fn of_fine_cells(&self, scene: &Scene, body: &HeterogeneousBody, u: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let Acting { loads, tractions, fine, .. } = &self.acting;
-        let given = |cell: usize, side: usize| tractions.get(&(cell, side)).copied().unwrap_or([Some(0.0); 2]);
-        let missed = missed(scene, body, fine);
+        let contact = &self.contact;
+        let given = |cell: usize, side: usize| {
+            let own = contact.tractions.get(&(cell, side)).or(tractions.get(&(cell, side)));
+            own.copied().unwrap_or([Some(0.0); 2])
+        };
+        let mut missed = missed(scene, body, fine);
+        missed.extend(&contact.missed);
         let held = |cell: usize, side: usize| missed.get(&(cell, side)).copied().unwrap_or_default();
         let primal = BubbleResidual { body_force: &loads.body, u, traction: &given, held: &held };
         let (nothing, functionals) = (|_: usize, _: usize| [0.0; 2], &self.functionals.functionals);
@@ -242,7 +334,11 @@ impl Duals<'_> {
             };
             let of_field: f64 = functional.load.boundary.iter().map(of_cell).sum();
             let of_forces: f64 = z.iter().zip(residual).map(|(z, r)| -z * r).sum();
-            all.push(of_field + of_forces - functional.value);
+            let of_shear = functional
+                .of_forces
+                .as_ref()
+                .map_or(0.0, |(side, w)| self.contact.work(*side, |node| body.grid.point(node), w));
+            all.push(of_field + of_forces + of_shear - functional.value);
         }
         all
     }

@@ -59,11 +59,10 @@ pub(super) fn estimate(
     }
     let mut load = loads.nodal(body);
     for pressed in contact_sides(solved) {
-        let h = pressed.length;
-        let [t0, t1] = pressed.tractions;
-        for (node, weights) in pressed.nodes.into_iter().zip([[2.0, 1.0], [1.0, 2.0]]) {
-            (0..2).for_each(|i| load[2 * node + i] += h / 6.0 * (weights[0] * t0[i] + weights[1] * t1[i]));
+        for (node, force) in pressed.nodal_forces() {
+            (0..2).for_each(|i| load[2 * node + i] += force[i]);
         }
+        let [t0, t1] = pressed.tractions;
         tractions.insert(pressed.side, [0, 1].map(|i| Some((t0[i] + t1[i]) / 2.0)));
     }
     let mut of_residuals = tractions.clone();
@@ -203,19 +202,33 @@ fn share_with_medium(solved: &GridSolved, around: &Around, sides: &[MediumTracti
 }
 
 /// A fine side in contact.
-struct ContactSide {
+pub(super) struct ContactSide {
+    /// The contact element, and where the side begins and ends on it in [-1, 1].
+    pub element: usize,
+    pub t: [f64; 2],
     /// Its cell and side.
-    side: (usize, usize),
+    pub side: (usize, usize),
     /// Its fine nodes.
-    nodes: [usize; 2],
+    pub nodes: [usize; 2],
     /// The traction on the body there.
-    tractions: [[f64; 2]; 2],
+    pub tractions: [[f64; 2]; 2],
     length: f64,
+}
+
+impl ContactSide {
+    /// The forces of its tractions at its nodes.
+    pub fn nodal_forces(&self) -> [(usize, [f64; 2]); 2] {
+        let [t0, t1] = self.tractions;
+        [0, 1].map(|k| {
+            let [a, b] = [[2.0, 1.0], [1.0, 2.0]][k];
+            (self.nodes[k], [0, 1].map(|i| self.length / 6.0 * (a * t0[i] + b * t1[i])))
+        })
+    }
 }
 
 /// The fine sides of contact elements with the tractions on them: the multipliers of the nodes, linear between them. A held end
 /// has that of its neighbour.
-fn contact_sides(solved: &GridSolved) -> Vec<ContactSide> {
+pub(super) fn contact_sides(solved: &GridSolved) -> Vec<ContactSide> {
     let (grid, trace) = (&solved.body.grid, &solved.trace);
     let (mesh, next) = (&trace.mesh, &trace.mesh.next);
     let Some(contact) = &solved.contact else { return Vec::new() };
@@ -245,7 +258,10 @@ fn contact_sides(solved: &GridSolved) -> Vec<ContactSide> {
         };
         for step in 0..count {
             let ends = [points[step], points[step + 1]];
+            let t = [step, step + 1].map(|k| (2 * k) as f64 / count as f64 - 1.0);
             pressed.push(ContactSide {
+                element: e,
+                t,
                 side: trace.side(grid, ends),
                 nodes: ends.map(|p| node_at(grid, p)),
                 tractions: [at(step), at(step + 1)],

@@ -7,12 +7,13 @@ use steklov_elastic::principal;
 use steklov_msfem::{HeterogeneousBody, Loads, bubble_values};
 use steklov_problem::{Condition, QuantityKind, Scene};
 
+use super::frozen_contact::FrozenContact;
 use super::solution::GridSolved;
 use super::solve_coarse::weights_at;
 use super::trace::GridTrace;
 use crate::answer::probes::slopes;
 use crate::data::supports::Held;
-use crate::quantities;
+use crate::quantities::{self, peaks};
 
 /// A linear functional J, as the load of its dual problem.
 pub(super) struct GridFunctional<'a> {
@@ -84,18 +85,20 @@ impl Number {
 
 impl<'a> GridFunctionals<'a> {
     /// Those of a solution, in the order of [`crate::bars::Bars`]: points, forces of supports, named numbers.
-    pub fn new(scene: &'a Scene, solved: &GridSolved, fine: &GridTrace) -> Self {
+    pub fn new(scene: &'a Scene, solved: &GridSolved, fine: &GridTrace, contact: &FrozenContact) -> Self {
         let mut this = Self { functionals: Vec::new(), numbers: Vec::new() };
         for &x in &scene.probe {
             let first = this.numbers.len();
             this.add_point(&solved.body, &solved.displacement, x);
-            for (number, given) in this.numbers[first..].iter_mut().zip(given_at(scene, x)) {
-                number.off = given.map_or(0.0, |given| (number.value - given).abs());
+            let lacking = solved.body.grid.locate(x).map_or([0.0; 2], |(cell, local)| contact.lacking_at(cell, local));
+            for ((number, given), lacking) in this.numbers[first..].iter_mut().zip(given_at(scene, x)).zip(lacking) {
+                number.off = given.map_or(0.0, |given| (number.value - given).abs()).max(lacking);
             }
         }
         for (force, side) in quantities::forces(scene, &solved.reactions) {
+            let touches = scene.contact(side).is_some();
             for i in 0..2 {
-                if scene.problem.sides[side].holds(i) {
+                if touches || scene.problem.sides[side].holds(i) {
                     let w = [0, 1].map(|k| f64::from(u8::from(i == k)));
                     this.add(GridFunctional::of_forces(force[i], side, Box::new(move |_| w)));
                 } else {
@@ -116,6 +119,7 @@ impl<'a> GridFunctionals<'a> {
                 },
             }
         }
+        this.numbers.extend(peaks(scene).iter().map(|_| Number::new(f64::NAN, Vec::new())));
         this
     }
 

@@ -20,6 +20,7 @@ mod coupled;
 mod duals;
 mod error_parts;
 mod estimate;
+mod frozen_contact;
 mod functionals;
 mod layout;
 mod loads;

@@ -229,7 +229,8 @@ fn solve_fine(
         dual_data: Mutex::default(),
         quantities: OnceLock::new(),
     };
-    let factors = Some(Factors { elimination: answer.elimination, held: held.clone(), coarse: None });
+    let (elimination, contact) = (answer.elimination, answer.condensed);
+    let factors = Some(Factors { elimination, contact, held: held.clone(), coarse: None });
     Ok(Unestimated { solved, is_held, factors })
 }
 

@@ -96,7 +96,8 @@ pub(super) fn solve_coarse(
         dual_data: Mutex::default(),
         quantities: OnceLock::new(),
     };
-    let factors = Some(Factors { elimination: answer.elimination, held: fine_held, coarse: Some((bases, held)) });
+    let (elimination, contact) = (answer.elimination, answer.condensed);
+    let factors = Some(Factors { elimination, contact, held: fine_held, coarse: Some((bases, held)) });
     Ok(Unestimated { solved, is_held, factors })
 }
 

@@ -13,7 +13,7 @@ use super::trace::GridTrace;
 use crate::data::motions::{unresisted, work};
 use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
-use crate::solve::contact::{CondensedBody, ContactResult, solve_contact};
+use crate::solve::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
 use crate::solve::contact_solver::solve_problem;
 use crate::solve::equilibrium::{Equations, reactions};
 use crate::stage::Stage;
@@ -53,6 +53,14 @@ pub(crate) struct Answer {
     pub work: f64,
     /// K, and its factor.
     pub elimination: Elimination,
+    /// The problem of its contact, if there is any.
+    pub condensed: Option<CondensedContact>,
+}
+
+/// The contact problem of a grid, whose unknowns are the kept ones of the elimination in their frames.
+pub(crate) struct CondensedContact {
+    pub factors: ContactFactors,
+    pub frames: Frames,
 }
 
 /// Part of all nodal forces that a translation may meet as resistance.
@@ -101,7 +109,7 @@ pub(super) fn without_motions((u, points): Field<'_>, others: &mut [Field<'_>], 
 }
 
 /// Turns the unknowns of contact nodes into their frames and back: v = Qᵀ u.
-struct Frames(Vec<(usize, [[f64; 2]; 2])>);
+pub(crate) struct Frames(Vec<(usize, [[f64; 2]; 2])>);
 
 impl Frames {
     /// Where in the list of kept unknowns the frames of the nodes begin.
@@ -112,7 +120,7 @@ impl Frames {
     }
 
     /// Qᵀ u.
-    fn turn_in(&self, u: &mut [f64]) {
+    pub fn turn_in(&self, u: &mut [f64]) {
         for &(k, [a, b]) in &self.0 {
             let (x, y) = (u[k], u[k + 1]);
             (u[k], u[k + 1]) = (a[0] * x + a[1] * y, b[0] * x + b[1] * y);
@@ -120,7 +128,7 @@ impl Frames {
     }
 
     /// Q v.
-    fn turn_back(&self, v: &mut [f64]) {
+    pub fn turn_back(&self, v: &mut [f64]) {
         for &(k, [a, b]) in &self.0 {
             let (p, q) = (v[k], v[k + 1]);
             (v[k], v[k + 1]) = (a[0] * p + b[0] * q, a[1] * p + b[1] * q);
@@ -175,13 +183,13 @@ impl System {
         let elimination = Elimination::new(stiffness, &order, &kept, &fixed)?;
         observe(Stage::Progress("solution", 0.55))?;
         let reduced = elimination.reduce(&load, &values);
-        let (mut displacement, contact) = match boundary {
-            None => (elimination.expand(&reduced, &[]), None),
+        let (mut displacement, contact, condensed) = match boundary {
+            None => (elimination.expand(&reduced, &[]), None, None),
             Some(boundary) => {
                 let (body, of_boundary) = ((&elimination, &reduced), (trace, boundary));
                 let solver = scene.method.solver;
-                let (displacement, result) = touching(body, of_boundary, solver, &free, &of_load, observe)?;
-                (displacement, Some(result))
+                let (displacement, result, condensed) = touching(body, of_boundary, solver, &free, &of_load, observe)?;
+                (displacement, Some(result), Some(condensed))
             }
         };
         without_motions((&mut displacement, &points), &mut [], &free);
@@ -221,6 +229,7 @@ impl System {
             free_motions: free,
             displacement,
             elimination,
+            condensed,
         })
     }
 }
@@ -233,7 +242,7 @@ fn touching(
     free: &[RigidMotion],
     driven: &dyn Fn(&RigidMotion) -> (f64, f64),
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<(Vec<f64>, ContactResult), SolveError> {
+) -> Result<(Vec<f64>, ContactResult, CondensedContact), SolveError> {
     let frames = Frames::new(&boundary);
     let stiffness = frames.turn(elimination.stiffness()?);
     observe(Stage::Condensed("S_contact", CONTACT, &stiffness))?;
@@ -260,5 +269,5 @@ fn touching(
     let solve = &mut |problem: &Problem| solve_problem(problem, solver);
     let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
     observe(Stage::Contact(&factors.problem, &result.solution))?;
-    Ok((displacement, result))
+    Ok((displacement, result, CondensedContact { factors, frames }))
 }
