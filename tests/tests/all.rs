@@ -28,6 +28,7 @@ mod grid_identities;
 mod grid_limits;
 mod inclusions;
 mod judged_bars;
+mod largest_stress;
 mod linings;
 mod invariance;
 mod many_modes;

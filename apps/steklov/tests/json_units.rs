@@ -8,7 +8,7 @@ use crate::json_reference::{Row, Table, parts_of_page};
 use crate::place::Place;
 
 /// Scenes of one shape in other units: <2 L> is 2 times the factor of lengths, P that of stresses.
-const IN_UNITS: [&str; 4] = [
+const IN_UNITS: [&str; 5] = [
     r#"[body]
 corners = [[0, 0], [<2 L>, 0], [<2 L>, <1 L>], [0, <1 L>]]
 sides = ["floor", "right", "top", "left"]
@@ -109,6 +109,22 @@ fine = [4, 4]
 model = "msfem-bem"
 max_steps = 2
 estimators = true
+"#,
+    r#"[body]
+circle = { centre = [0, 0], radius = <2 L> }
+side = "outside"
+[[body.holes]]
+circle = { centre = [<0.3 L>, <0.1 L>], radius = <0.8 L> }
+side = "inside"
+[material]
+young = <20 P>
+poisson = 0.3
+[sides.inside]
+pressure = "<1 P>"
+[probe]
+points = [[<-1 L>, 0]]
+[method]
+max_steps = 3
 "#,
 ];
 

@@ -20,15 +20,17 @@
 
 use std::ops::Range;
 
+use steklov_bem_operators::Location;
 use steklov_problem::{Indicator, NamedQuantity, QuantityKind, Scene};
 
 use crate::answer::singular_points::singular_points;
 use crate::contact_length::extracts_ends;
-use crate::estimate::error_estimate::{Bubble, Estimate, ROUNDOFF, UNRESOLVED};
+use crate::doubt::Doubt;
+use crate::estimate::error_estimate::{Bubble, Estimate, NOT_STATIONARY, ROUNDOFF, UNRESOLVED};
 use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
-use crate::grid::{GridQuantity, GridSolved};
+use crate::grid::{GridQuantity, GridSolved, doubts_of_contact};
 use crate::named::components;
-use crate::quantities::{EstimatedQuantity, OF_POINT, forces, forces_between, has_contact, peaks};
+use crate::quantities::{EstimatedQuantity, OF_POINT, forces, forces_between, has_contact, has_largest_stress, peaks};
 
 /// How far the exact value may be, over the part that the enriched spaces see.
 pub(crate) const OF_DIFFERENCE: f64 = 1.2;
@@ -38,7 +40,8 @@ pub(crate) const OF_CHANGE: f64 = 0.3;
 const OF_SINGLE: f64 = 5.0;
 /// The part of Σ |η_e| that a difference has at least.
 const OF_WEIGHTED: f64 = 0.5;
-/// How much wider the bar of a pressure is without a dual problem: it depends on where contact ends, which frozen sets do not see.
+/// How much wider the bars of a pressure and of the largest stress with contact are without a dual problem: they depend on where contact
+/// ends, which frozen sets do not see.
 const OF_PRESSURE: f64 = 3.0;
 /// Steps before the one whose dual problems are trusted: the first ones see little of crack tips and corners.
 const LEAST_BEFORE: usize = 2;
@@ -80,6 +83,8 @@ pub(crate) enum Of {
     Reactions,
     /// The work against friction.
     Friction,
+    /// The largest von Mises stress.
+    LargestStress,
 }
 
 /// A value by its path.
@@ -146,6 +151,17 @@ fn add_works(scene: &Scene, entries: &mut Vec<Entry>) {
     }
 }
 
+/// The largest von Mises stress, behind the works.
+fn add_largest_stress(scene: &Scene, entries: &mut Vec<Entry>) {
+    if has_largest_stress(scene) {
+        let group = entries.len()..entries.len() + 1;
+        entries.push(Entry { path: MAX_VON_MISES.to_owned(), kind: Kind::Stress, of: Of::LargestStress, group });
+    }
+}
+
+/// The path of the largest von Mises stress.
+pub(crate) const MAX_VON_MISES: &str = "max_von_mises";
+
 /// Values with their error bars.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Bars {
@@ -156,8 +172,8 @@ pub struct Bars {
     pub(crate) sizes: [f64; 5],
     /// ½ Σ |η_e| of J, of an estimate without doubts, above rounding errors, where J is stationary.
     pub(crate) of_energy: Option<f64>,
-    /// Whether data between the nodes, with contact those of its gaps, make a good part of the error: the enriched spaces miss them too.
-    pub(crate) of_gaps: bool,
+    /// Doubts about all values: with contact whether data between the nodes make a good part of the error, which the enriched spaces miss too.
+    pub(crate) doubts: Vec<Doubt>,
     /// On a grid the parts of each uncertainty: that of the fine grid and that of its coarse cells.
     pub(crate) parts: Vec<[f64; 2]>,
     /// On a grid the parts of the uncertainty of J.
@@ -178,6 +194,7 @@ impl Bars {
         let Some((last, before)) = estimates.split_last() else { return Self::default() };
         let mut entries = entries(scene, reactions);
         add_works(scene, &mut entries);
+        add_largest_stress(scene, &mut entries);
         if last.quantities.len() != entries.len() {
             // of an altered file, or without any
             return Self::default();
@@ -196,10 +213,12 @@ impl Bars {
         let weighted = |quantity: &EstimatedQuantity| {
             quantity.weighted.map(|[sum, of_ends]| (difference(quantity).max(OF_WEIGHTED * sum), of_ends))
         };
+        let has_contact = has_contact(scene);
         let of = |(k, quantity): (usize, &EstimatedQuantity)| {
             let &EstimatedQuantity { value, enriched, .. } = quantity;
             let is_pressure = matches!(entries[k], Entry { of: Of::Named(_) | Of::Peak(_), kind: Kind::Stress, .. });
-            let wider = if is_pressure { OF_PRESSURE } else { 1.0 };
+            let of_sets = is_pressure || has_contact && entries[k].of == Of::LargestStress;
+            let wider = if of_sets { OF_PRESSURE } else { 1.0 };
             let before = before.map(|before| (before, &before.quantities[k])).filter(|(_, q)| q.value.is_finite());
             let uncertainty = match before {
                 Some((before, of_before)) => {
@@ -225,9 +244,9 @@ impl Bars {
         let is_plain = last.doubts.is_empty() && last.relative > ENERGY_ROUNDED && !coulomb;
         let of_energy = is_plain.then(|| OF_WEIGHTED * weighted_energy(last));
         let oscillation: f64 = last.indicators.iter().chain(&last.of_cuts).map(|bubble| bubble.oscillation).sum();
-        let of_gaps =
-            has_contact(scene) && last.relative > ROUNDOFF && oscillation > UNRESOLVED * last.error * last.error;
-        let mut all = Self { entries, values, sizes, of_energy, of_gaps, rounded: ROUNDED, ..Self::default() };
+        let of_gaps = has_contact && last.relative > ROUNDOFF && oscillation > UNRESOLVED * last.error * last.error;
+        let doubts = if of_gaps { vec![Doubt::Data] } else { Vec::new() };
+        let mut all = Self { entries, values, sizes, of_energy, doubts, rounded: ROUNDED, ..Self::default() };
         for k in 0..all.values.len() {
             all.values[k][1] = all.values[k][1].max(all.rounding(k));
         }
@@ -264,12 +283,17 @@ impl Bars {
         let parts: Vec<[f64; 2]> = quantities.iter().map(of).collect();
         let values = quantities.iter().zip(&parts).map(|(own, parts)| [own.value, parts.iter().sum()]).collect();
         let scale = if estimate.relative > 0.0 { estimate.error / estimate.relative } else { 0.0 };
+        let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
+        let friction = solved.energies.friction_work;
         let parts_of_energy = solved.energy(scene).map(|energy| {
             // what the estimate sees of loads that cells do not resolve as well
             let fine = if scene.method.indicator == Indicator::Bubble { estimate.fine_grid / 2.0 } else { 0.0 };
-            [energy.fine_grid.max(fine), energy.multiscale].map(|part| OF_DIFFERENCE * part)
+            // J is not stationary under Coulomb's law
+            let bounds = if coulomb { NOT_STATIONARY * estimate.error * (2.0 * friction).sqrt() } else { 0.0 };
+            [energy.fine_grid.max(fine) + bounds, energy.multiscale].map(|part| OF_DIFFERENCE * part)
         });
-        let at_jumps = solved.at_jumps(&scene.probe);
+        let mut at_jumps = solved.at_jumps(&scene.probe);
+        at_jumps.extend((0..scene.probe.len()).filter(|&k| is_in_contact(scene, scene.probe[k])));
         let near_singular = solved.near_singular(&scene.probe, &singular_points(scene, solved.trace().mesh, &[]));
         let rounded = solved.digits().max(ROUNDED);
         let mut all = Self {
@@ -277,7 +301,7 @@ impl Bars {
             values,
             sizes: sizes(scene, scale),
             of_energy: None,
-            of_gaps: false,
+            doubts: doubts_of_contact(scene, solved, estimate.error),
             parts,
             parts_of_energy,
             at_jumps,
@@ -315,10 +339,25 @@ impl Bars {
         self.rounded * sizes.filter(|size| size.is_finite()).fold(self.sizes[own as usize], f64::max)
     }
 
+    /// Whether the largest von Mises stress is known.
+    pub(crate) fn know_largest_stress(&self) -> bool {
+        let mut all = self.entries.iter().zip(&self.values);
+        all.any(|(entry, [value, _])| entry.of == Of::LargestStress && value.is_finite())
+    }
+
     /// Gives the named quantities their values, which are those of the enriched spaces for some of them.
     pub(crate) fn tell(&self, named: &mut [f64]) {
         let own = self.entries.iter().zip(&self.values).filter(|(entry, _)| matches!(entry.of, Of::Named(_)));
         named.iter_mut().zip(own).for_each(|(told, (_, [value, _]))| *told = *value);
+    }
+}
+
+/// Whether a point is on a side in contact.
+fn is_in_contact(scene: &Scene, x: [f64; 2]) -> bool {
+    let outline = &scene.problem.outline;
+    match outline.contains(x) {
+        Location::Boundary { edge, .. } => scene.contact(outline.edges()[edge].side).is_some(),
+        _ => false,
     }
 }
 

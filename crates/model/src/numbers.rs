@@ -3,11 +3,12 @@
 use serde_json::Value;
 
 /// Parts of the object that are no quantities of an answer.
-const LEFT_OUT: [&str; 12] = [
+const LEFT_OUT: [&str; 13] = [
     "probe_lines",
     "probe_sides",
     "expect",
     "infinite_stress",
+    "max_von_mises_at",
     "ends",
     "point",
     "converged",

@@ -92,6 +92,11 @@ pub(crate) fn at_points(scene: &Scene, field: &ElasticField<'_>, medium: Option<
         .collect()
 }
 
+/// Whether the largest von Mises stress of a scene is a quantity: that of bodies whose stresses are known to be needed.
+pub(crate) fn has_largest_stress(scene: &Scene) -> bool {
+    needs_tractions(scene) && !scene.is_on_grid()
+}
+
 /// Whether quantities of a scene need the tractions of the enriched spaces.
 pub(crate) fn needs_tractions(scene: &Scene) -> bool {
     !scene.probe.is_empty() || !scene.quantities.is_empty() || has_contact(scene)
@@ -251,9 +256,7 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         if let Some(parts) = all.parts.get(k) {
             quantity.parts = of_parts(parts);
         }
-        if all.of_gaps {
-            doubt(&mut quantity, Doubt::Data);
-        }
+        all.doubts.iter().for_each(|own| doubt(&mut quantity, *own));
         match entry.of {
             Of::Peak(of) => {
                 let at_node = told.peak.and_then(|all| match of {
@@ -269,6 +272,8 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                 }
             }
             Of::Reactions => continue,
+            Of::LargestStress if !(value.is_finite() && uncertainty.is_finite()) => continue,
+            Of::LargestStress => {}
             Of::Friction if !known_at_corners => continue,
             Of::Friction => {}
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {

@@ -89,6 +89,12 @@ pub struct Summary {
     /// without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub infinite_stress: Vec<[f64; 2]>,
+    /// The largest von Mises stress of the bodies; left out where it is infinite or not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_von_mises: Option<f64>,
+    /// Where it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_von_mises_at: Option<[f64; 2]>,
     /// Results along lines; left out without them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probe_lines: Vec<LineProbe>,

@@ -3,6 +3,7 @@
 //! ```text
 //! an end of a zone     1.2 max(|δ_k|, |δ_{k-1}| E_k/E_{k-1}) + 0.3 |δ_k|          δ_k its shift from its vertex at step k, E the estimate
 //! a length             Σ over its ends
+//! on a grid            Σ over its ends of the distance of the nodes about them
 //! ```
 //! Vertices follow the fits, so that δ_k is the change of the end since the step before. Under Coulomb's law, where the fit does not know the
 //! exponents of gap and slip, small shifts do not fall with the estimate: up to 4e-3 of the distance to the next end those of the two steps
@@ -13,12 +14,12 @@ use steklov_contact::{Located, TipKind};
 use steklov_elastic::plane::distance;
 use steklov_problem::{Friction, Scene};
 
-use crate::answer::report::zones;
+use crate::answer::report::{sticks, zones};
 use crate::bars::{OF_CHANGE, OF_DIFFERENCE, ROUNDED};
 use crate::contact_length::{ends_at_corners_are_known, is_symmetric};
 use crate::refine::transitions::zone;
 use crate::solve::contact::ContactResult;
-use crate::solve::contact_rows::{ContactRow, Trace};
+use crate::solve::contact_rows::{ContactRow, TOUCHING, Trace};
 
 /// Shifts that do not fall under Coulomb's law, over the distance to the next end.
 const STALLED: f64 = 4e-3;
@@ -81,16 +82,12 @@ impl Zones<'_> {
             let ends = self.located.iter().zip(self.off).filter(|(end, _)| of_sides(end) && end.kind == kind);
             ends.map(|(_, off)| off).sum::<f64>().max(ROUNDED * length)
         };
-        let stick = if sides.iter().any(|&side| self.rubs(side)) {
+        let stick = if sides.iter().any(|&side| rubs(self.scene, side)) {
             stick.filter(|_| self.slips_beside_ends(&own, &located)).map(|stick| [stick, bar(TipKind::StickEnd)])
         } else {
             Some([0.0; 2])
         };
         [Some([length, bar(TipKind::ContactEnd)]), stick]
-    }
-
-    fn rubs(&self, side: usize) -> bool {
-        self.scene.contact(side).is_some_and(|contact| !matches!(contact.friction, Friction::None))
     }
 
     /// Whether the nodes in contact nearest to each end of contact and of an edge slip, all to one side between two zones of stick. At a line
@@ -114,5 +111,43 @@ impl Zones<'_> {
     }
 }
 
+/// Whether a side has friction.
+pub(crate) fn rubs(scene: &Scene, side: usize) -> bool {
+    scene.contact(side).is_some_and(|contact| !matches!(contact.friction, Friction::None))
+}
+
 /// The status of a row that sticks.
 const STICKS: usize = 1;
+
+/// The lengths in contact and in stick of all contact by the nodes of elements of degree 1, with their uncertainties: each end is off by the
+/// distance of the nodes about it at most, and contact that reaches a corner by that of the last ones where it is not known to press there.
+pub(crate) fn lengths_of_nodes(
+    scene: &Scene,
+    trace: Trace<'_>,
+    contact: &ContactResult,
+    rows: &[ContactRow],
+) -> [[f64; 2]; 2] {
+    let known_at_corners = ends_at_corners_are_known(scene, rows);
+    let largest = rows.iter().fold(0.0, |largest: f64, row| largest.max(row.pressure));
+    let lines = contact.boundary.lines(trace.mesh, trace.space);
+    let edges = scene.problem.outline.edges();
+    [false, true].map(|stick| {
+        let is_in =
+            |k: usize| rows[k].pressure > TOUCHING * largest && (!stick || sticks(rows[k].shear, rows[k].bound));
+        let length =
+            rows.iter().enumerate().filter(|(k, _)| is_in(*k)).map(|(_, row)| row.weight).fold(0.0, |a, b| a + b);
+        let mut off: f64 = 0.0;
+        for line in &lines {
+            for pair in line.points.windows(2) {
+                let [a, b] = [0, 1].map(|k| (pair[k].index, pair[k].s));
+                off += if is_in(a.0) == is_in(b.0) { 0.0 } else { (b.1 - a.1) * edges[line.edge].length() };
+            }
+            let ends = [line.points.first(), line.points.last()].into_iter().flatten();
+            off += ends
+                .filter(|end| is_in(end.index) && !known_at_corners)
+                .map(|end| 2.0 * rows[end.index].weight)
+                .sum::<f64>();
+        }
+        [length, off.max(ROUNDED * length)]
+    })
+}

@@ -225,20 +225,25 @@ fn stress(stored: &Record, lines: &mut Lines) {
         triangles.chain(grid.quads.iter().map(|cell| cell.as_slice())).map(corners)
     };
     let of = |fields: &'_ [Field]| fields.iter().position(|f| f.name == "von_mises");
-    let largest = |values: &[f64], places: &mut dyn Iterator<Item = [f64; 2]>| {
+    let largest = |values: &[f64], places: &mut dyn Iterator<Item = [f64; 2]>, of: String| {
         let smallest = values.iter().copied().filter(|value| value.is_finite()).fold(f64::INFINITY, f64::min);
         let known = values.iter().copied().zip(places).filter(|(value, _)| value.is_finite());
         let (value, place) = known.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(match value - smallest <= UNIFORM * value {
-            true => format!("von Mises {} at all", usual(value)),
-            false => format!("von Mises up to {} at {}, the largest at", usual(value), vector(place)),
+        Some(match (value - smallest <= UNIFORM * value, largest_von_mises(&stored.summary)) {
+            (true, _) => format!("von Mises {} at all {of}", usual(value)),
+            (false, Some((value, place))) => format!("von Mises up to {value} at {place}"),
+            (false, None) => format!("von Mises up to {} at {}, the largest at {of}", usual(value), vector(place)),
         })
     };
     let found = match (of(&grid.point_data), of(&grid.cell_data)) {
-        (Some(k), _) => largest(&grid.point_data[k].values, &mut grid.points.iter().copied())
-            .map(|peak| format!("{peak} {} points", grid.points.len())),
-        (None, Some(k)) => largest(&grid.cell_data[k].values[grid.lines.len()..], &mut cells())
-            .map(|peak| format!("{peak} {} cells, in their middle,", grid.triangles.len() + grid.quads.len())),
+        (Some(k), _) => {
+            let all = format!("{} points of the result file", grid.points.len());
+            largest(&grid.point_data[k].values, &mut grid.points.iter().copied(), all)
+        }
+        (None, Some(k)) => {
+            let all = format!("{} cells, in their middle, of the result file", grid.triangles.len() + grid.quads.len());
+            largest(&grid.cell_data[k].values[grid.lines.len()..], &mut cells(), all)
+        }
         (None, None) => None,
     };
     let infinite = &stored.summary.infinite_stress;
@@ -247,8 +252,15 @@ fn stress(stored: &Record, lines: &mut Lines) {
         let places: Vec<String> = infinite.iter().take(NAMED).map(|place| vector(*place)).collect();
         lines.say("stress", format!("infinite at {}{more}", places.join(", ")));
     } else if let Some(told) = found {
-        lines.say("stress", format!("{told} of the result file"));
+        lines.say("stress", told);
     }
+}
+
+/// The largest von Mises stress with its uncertainty and its place, where it is known.
+fn largest_von_mises(s: &Summary) -> Option<(String, String)> {
+    let (value, place) = s.max_von_mises.zip(s.max_von_mises_at)?;
+    let uncertainty = s.quantities.get("max_von_mises")?.uncertainty;
+    Some((one_with_bar(value, Some(uncertainty), value), vector(place)))
 }
 
 /// Points, lines and sides of `[probe]`, each with its stress, or the largest one at its points, or where it is infinite.

@@ -40,13 +40,14 @@ impl MovedEnd {
 }
 
 /// For each end of contact, of stick and of one direction of slip between two neighbours along the lines the changes where it moves by one
-/// node, first into what holds. `frozen` is the problem with these sets, those of the solution.
+/// node, first into what holds. Where `may_open` the last nodes of a line that are closed count as ends, and nodes that stick under more than
+/// half of their friction bound as ends that half of their shear moves. `frozen` is the problem with these sets, those of the solution.
 ///
 /// Cost: two solutions of the problem with given sets an end, 4 m² operations.
 pub fn moved_ends(
     (problem, solution): (&Problem, &Solution),
     (sets, frozen): (&Sets, &Frozen<'_>),
-    lines: &[ContactLine],
+    (lines, may_open): (&[ContactLine], bool),
 ) -> Vec<[MovedEnd; 2]> {
     let kinks = Kinks { problem, solution, frozen };
     let nodes = problem.nodes.iter();
@@ -68,8 +69,24 @@ pub fn moved_ends(
             _ => {}
         }
     }
+    for line in lines {
+        for point in &line.points {
+            let tangential = kinks.place(conditions[point.index], point.index, true);
+            if sets.slip(point.index) == Some(0) && tangential.force.abs() > NEAR_SLIP * tangential.bound {
+                all.push(kinks.alone(&tangential, NEAR_SLIP));
+            }
+        }
+        for point in [line.points.first(), line.points.last()].into_iter().flatten().filter(|_| may_open) {
+            if sets.closed(point.index) {
+                all.push(kinks.alone(&kinks.place(conditions[point.index], point.index, false), 1.0));
+            }
+        }
+    }
     all
 }
+
+/// Part of the friction bound from which on a node that sticks may slip.
+const NEAR_SLIP: f64 = 0.5;
 
 /// The normal or tangential part of a condition.
 struct Kink {
@@ -105,6 +122,14 @@ impl Kinks<'_> {
     /// An end between a node that is held and one that is not, and slips in the direction `slip` if it may: released, and held.
     fn end(&self, held: &Kink, free: &Kink, slip: f64) -> [MovedEnd; 2] {
         [self.released(held, slip, free.opening.abs()), self.held(free)]
+    }
+
+    /// A condition without a neighbour beyond it, released from this part of its force: by twice what it does to the condition alone at most.
+    fn alone(&self, kink: &Kink, part: f64) -> [MovedEnd; 2] {
+        let own = dot(&kink.row, &self.problem.stiffness.times(&kink.row));
+        let force = part * kink.force;
+        let released = self.released(&Kink { row: kink.row.clone(), force, ..*kink }, 0.0, 2.0 * force.abs() / own);
+        [released.clone(), released]
     }
 
     fn held(&self, kink: &Kink) -> MovedEnd {

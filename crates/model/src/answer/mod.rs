@@ -4,6 +4,7 @@ pub(crate) mod bernstein;
 pub(crate) mod borne;
 pub(crate) mod data_jumps;
 pub mod interfaces;
+pub(crate) mod largest_stress;
 pub mod normals;
 pub(crate) mod probes;
 pub mod reach;

@@ -222,6 +222,6 @@ fn fraction(edge: &Edge, from: f64, to: f64) -> f64 {
 }
 
 /// Whether a node in contact sticks.
-fn sticks(shear: f64, bound: f64) -> bool {
+pub(crate) fn sticks(shear: f64, bound: f64) -> bool {
     shear.abs() < bound * (1.0 - 1e-12)
 }

@@ -15,6 +15,7 @@ use steklov_elastic::RigidMotion;
 use steklov_problem::{Condition, NamedQuantity, Scene};
 
 use crate::answer::interfaces::{force_of, sign_of};
+use crate::answer::largest_stress::{is_bounded, largest_von_mises};
 use crate::contact_length::length_of_contact;
 use crate::data::body_load::Particulars;
 use crate::data::on_mesh::OnMesh;
@@ -26,8 +27,9 @@ use crate::estimate::elastic::Elastic;
 use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame};
 use crate::estimate::functionals::{LinearFunctional, has_duals};
 use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
-use crate::quantities::{self, At, EstimatedQuantity};
+use crate::quantities::{self, At, EstimatedQuantity, has_largest_stress};
 use crate::solve::body::{Body, Factors};
+use crate::solve::contact_rows::contact_rows;
 use crate::solve::fields::{ElasticField, Field};
 use crate::solve::solution::Solved;
 
@@ -99,6 +101,7 @@ pub(crate) fn both(
         let at = |field: &ElasticField<'_>| peak.map_or(f64::NAN, |place| data.pressure_on(field, place));
         both.push([at(&solved.elastic_field()), plus.as_ref().map_or(f64::NAN, at)]);
     }
+    let largest = plus.as_ref().and_then(|plus| largest_stress(scene, solved, plus));
     let mut ends = Vec::new();
     if let (Some(part), Some(plus)) = (&factors.contact, &plus) {
         ends = data.contact_ends(tips, part, [&solved.elastic_field(), plus]);
@@ -117,6 +120,11 @@ pub(crate) fn both(
         both.push(data.friction_work((solved, factors), bubbles, &correction, &change)?);
         functionals.push(None);
     }
+    if has_largest_stress(scene) {
+        both.push(largest.map_or([f64::NAN; 2], |(own, _)| own));
+        let known = largest.filter(|_| with_duals).zip(field.as_ref());
+        functionals.push(known.and_then(|((_, x), field)| data.of_von_mises(solved, (field, around.as_ref()), x)));
+    }
     let all = both.iter().zip(functionals).map(|(&[value, enriched], functional)| {
         let weighted = functional.and_then(|functional| duals.weighted(&functional, &rest.base, &ends));
         let of_rest = weighted.as_ref().map_or(0.0, |weighted| weighted.of_rest);
@@ -127,6 +135,14 @@ pub(crate) fn both(
         }
     });
     Ok((all.collect(), ends))
+}
+
+/// The largest von Mises stress of u and that of u₊ at its place, and the place; None where it is infinite.
+fn largest_stress(scene: &Scene, solved: &Solved, plus: &ElasticField<'_>) -> Option<([f64; 2], [f64; 2])> {
+    let rows = solved.contact.as_ref().map_or(Vec::new(), |contact| contact_rows(solved.trace(), contact));
+    let known = has_largest_stress(scene) && is_bounded(scene, &solved.mesh, &rows);
+    let largest = known.then(|| largest_von_mises(scene, &solved.elastic_field()))??;
+    Some(([largest.value, largest.of(scene, plus)], largest.point))
 }
 
 /// Whether quantities are asked for; of media those whose displacement decays have them.

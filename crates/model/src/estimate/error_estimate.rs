@@ -102,7 +102,7 @@ pub(crate) const OF_SQUARE: f64 = 1.0;
 const OF_SQUARE_WITH_CONTACT: f64 = 1.75;
 /// How far J may be off under Coulomb's law, over the error times (2 friction work)^½: up to 0.025 was measured. J is not
 /// stationary there, as the bounds of friction are those of the approximate pressure.
-const NOT_STATIONARY: f64 = 0.06;
+pub(crate) const NOT_STATIONARY: f64 = 0.06;
 /// Largest part of the squared estimate for the loads that the elements' degrees do not resolve.
 pub const UNRESOLVED: f64 = 0.25;
 /// Next to a singular point e_p falls like p^-2λ: beyond this degree a bubble shows less than half of the error.

@@ -138,6 +138,16 @@ impl OnMesh<'_> {
         all
     }
 
+    /// The von Mises stress at a point; None on a side in contact.
+    pub(crate) fn of_von_mises(
+        &self,
+        solved: &Solved,
+        (field, around): (&Field, Option<&MediumField>),
+        x: [f64; 2],
+    ) -> Option<LinearFunctional> {
+        if self.touches(x) { None } else { self.at_point(solved, (field, around), x).into_iter().nth(5) }
+    }
+
     /// Σ w·R over the nodes of sides.
     fn of_forces(&self, sides: &[usize], w: impl Fn([f64; 2]) -> [f64; 2]) -> LinearFunctional {
         LinearFunctional { of_forces: self.on_sides(sides, w), ..LinearFunctional::default() }

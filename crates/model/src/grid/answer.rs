@@ -169,6 +169,7 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         named,
         near: Vec::new(),
         bars: Bars::on_grid(scene, solved),
+        largest_stress: None,
         over_outcomes: solved.over_outcomes.clone().map(|bars| OfMeans { bars, energy: None }),
         lines: probes::lines(scene, |spot, x| solved.at_spot(spot, x)),
         sides: solved.along_sides(scene, &scene.probe_sides),

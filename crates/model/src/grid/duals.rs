@@ -34,8 +34,10 @@ use super::solve::Acting;
 use super::solve_coarse::lift;
 use super::system::CondensedContact;
 use super::trace::GridTrace;
+use crate::contact_length::ends_at_corners_are_known;
 use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
+use crate::solve::contact_rows::contact_rows;
 
 /// The part of Σ |η_T| that a difference has at least.
 const OF_WEIGHTED: f64 = 0.5;
@@ -91,7 +93,7 @@ impl GridSolved {
         let found = || {
             let data = self.dual_data.lock().unwrap_or_else(PoisonError::into_inner).take()?;
             let conforms = self.coarse.as_ref().is_none_or(|coarse| coarse.basis.is_conforming());
-            let known = self.free_motions.is_empty() && conforms;
+            let known = self.free_motions.is_empty() && conforms && self.converged();
             // what the moduli do not allow has no error bars
             known.then(|| Duals::new(scene, self, data).ok())?
         };
@@ -124,7 +126,7 @@ impl<'a> Duals<'a> {
         let functionals = GridFunctionals::new(scene, solved, &acting.fine, &contact);
         contact.held.keys().for_each(|&unknown| is_held[unknown] = true);
         let Solutions { solutions, of_ends, energy_of_ends } =
-            solutions(&functionals.functionals, solved, &acting, factors)?;
+            solutions(&functionals.functionals, (scene, solved), &acting, factors)?;
         Ok(Self { functionals, solutions, of_ends, energy_of_ends, acting, is_held, contact })
     }
 }
@@ -146,7 +148,7 @@ impl Solutions {
     /// The fields of several loads and held displacements of the unknowns of a factor.
     fn new(
         functionals: &[GridFunctional<'_>],
-        solved: &GridSolved,
+        (scene, solved): (&Scene, &GridSolved),
         (elimination, condensed): (&Elimination, Option<&CondensedContact>),
         (loads, held): (&[Vec<f64>], &[Vec<f64>]),
     ) -> Result<Self, SolveError> {
@@ -165,14 +167,15 @@ impl Solutions {
             let (solutions, of_ends) = functionals.iter().zip(loads.iter().zip(held)).map(of).unzip();
             Self { solutions, of_ends, energy_of_ends: OF_NODE * moved.iter().map(largest).sum::<f64>() }
         };
-        Ok(with_frozen(elimination, condensed, contact.reported(), all)?)
+        let may_open = !ends_at_corners_are_known(scene, &contact_rows(solved.trace(), contact));
+        Ok(with_frozen(elimination, condensed, (contact.reported(), may_open), all)?)
     }
 }
 
 /// The dual solutions on the fine nodes.
 fn solutions(
     functionals: &[GridFunctional<'_>],
-    solved: &GridSolved,
+    (scene, solved): (&Scene, &GridSolved),
     acting: &Acting,
     factors: Factors,
 ) -> Result<Solutions, SolveError> {
@@ -183,7 +186,7 @@ fn solutions(
     let (Some((bases, held)), Some(of_mesh)) = (coarse, &solved.coarse) else {
         let loads: Vec<Vec<f64>> = functionals.iter().map(|f| f.load.nodal(body)).collect();
         let held: Vec<Vec<f64>> = functionals.iter().map(|f| values(&fine.space, &f.held(fine, &fine_held))).collect();
-        return Solutions::new(functionals, solved, factor, (&loads, &held));
+        return Solutions::new(functionals, (scene, solved), factor, (&loads, &held));
     };
     let problem = Multiscale::with_bases(body, of_mesh.mesh.clone(), bases);
     let (mut loads, mut of_held, mut extras) = (Vec::new(), Vec::new(), Vec::new());
@@ -195,7 +198,7 @@ fn solutions(
         of_held.push(values(&trace.space, &own));
         extras.push(extra);
     }
-    let on_vertices = Solutions::new(functionals, solved, factor, (&loads, &of_held))?;
+    let on_vertices = Solutions::new(functionals, (scene, solved), factor, (&loads, &of_held))?;
     let fields = on_vertices.solutions.into_iter().zip(&extras).zip(functionals);
     let fine = |((coarse, extra), functional): ((Vec<f64>, &Extra), &GridFunctional<'_>)| {
         Ok::<_, SolveError>(problem.downscale(&coarse, &functional.load, extra, &mut |_| true)?)

@@ -10,7 +10,9 @@
 use std::collections::HashMap;
 
 use steklov_bem_operators::Site;
-use steklov_contact::{ContactBoundary, ContactError, Frozen, FrozenDual, MovedEnd, Sets, Solution, moved_ends};
+use steklov_contact::{
+    BoundaryCondition, ContactBoundary, ContactError, Frozen, FrozenDual, MovedEnd, Sets, Solution, moved_ends,
+};
 use steklov_elastic::plane::dot as along;
 use steklov_msfem::{Elimination, ReducedLoad};
 use steklov_problem::Scene;
@@ -19,7 +21,10 @@ use super::estimate::contact_sides;
 use super::loads::Tractions;
 use super::solution::GridSolved;
 use super::system::CondensedContact;
+use crate::doubt::Doubt;
+use crate::estimate::error_estimate::UNRESOLVED;
 use crate::solve::contact::ContactFactors;
+use crate::solve::contact_rows::contact_rows;
 
 /// Part of a cell within which a point is on its side.
 const BESIDE: f64 = 1e-9;
@@ -88,10 +93,13 @@ impl FrozenContact {
                     this.held.insert(2 * node + axis, lacks[k]);
                 }
                 if own.map_or(sticks, |own| own.sticks) {
-                    this.held.insert(2 * node + 1 - axis, 0.0);
+                    // a held neighbour that moves takes a part in the mean
+                    this.held.insert(2 * node + 1 - axis, -u[2 * node + 1 - axis]);
                 }
             }
             let mut lacking = [0.0; 2];
+            let slides = |node: usize| this.held.get(&(2 * node + 1 - axis)).map_or(0.0, |lacks| lacks.abs());
+            lacking[1 - axis] = slides(pressed.nodes[0]).max(slides(pressed.nodes[1]));
             let of_held =
                 |k: usize| if this.held.contains_key(&(2 * pressed.nodes[k] + axis)) { lacks[k].abs() } else { 0.0 };
             lacking[axis] = of_held(0).max(of_held(1));
@@ -135,11 +143,15 @@ impl FrozenContact {
     }
 }
 
+/// The conditions with their nodes, in the order of the multipliers.
+pub(super) fn conditions(boundary: &ContactBoundary) -> Vec<(usize, &BoundaryCondition)> {
+    boundary.nodes.iter().flat_map(|node| node.conditions.iter().map(move |c| (node.node, c))).collect()
+}
+
 /// The states of conditions by node and side.
 fn states(boundary: &ContactBoundary, sets: &Sets) -> HashMap<(usize, usize), State> {
-    let conditions = boundary.nodes.iter().flat_map(|node| node.conditions.iter().map(move |c| (node.node, c)));
     let mut states = HashMap::new();
-    for (k, (node, condition)) in conditions.enumerate() {
+    for (k, (node, condition)) in conditions(boundary).into_iter().enumerate() {
         let (closed, sticks) = (sets.closed(k), sets.slip(k) == Some(0));
         for share in &condition.shares {
             states.insert((node, share.side), State { normal: condition.normal, closed, sticks });
@@ -182,12 +194,12 @@ impl FrozenProblem<'_> {
 pub(super) fn with_frozen<T>(
     elimination: &Elimination,
     condensed: &CondensedContact,
-    solution: &Solution,
+    (solution, may_open): (&Solution, bool),
     call: impl FnOnce(&FrozenProblem<'_>, &[[MovedEnd; 2]]) -> T,
 ) -> Result<T, ContactError> {
     let ContactFactors { problem, sets, lines } = &condensed.factors;
     let frozen = Frozen::new(problem, sets)?;
-    let moved = moved_ends((problem, solution), (sets, &frozen), lines);
+    let moved = moved_ends((problem, solution), (sets, &frozen), (lines, may_open));
     let dual = FrozenDual::new(&frozen, sets);
     Ok(call(&FrozenProblem { elimination, condensed, dual, moved: &moved }, &moved))
 }
@@ -213,3 +225,46 @@ pub(super) fn on_contact(boundary: &ContactBoundary, side: usize, w: impl Fn([f6
     }
     all
 }
+
+/// Elements of a side in contact, up to which there are few.
+const FEW: usize = 4;
+
+/// Why numbers of a grid with contact are in doubt: few elements on a side in contact, or a gap that varies within elements more than a parabola
+/// follows. `error` is the estimate (energy norm).
+pub(crate) fn doubts_of_contact(scene: &Scene, solved: &GridSolved, error: f64) -> Vec<Doubt> {
+    let Some(contact) = &solved.contact else { return Vec::new() };
+    let (mesh, trace) = (&solved.trace.mesh, solved.trace());
+    let mut counts: HashMap<usize, usize> = HashMap::new();
+    (0..mesh.len()).for_each(|e| *counts.entry(mesh.side[e]).or_default() += 1);
+    let few = scene.contacts().any(|(side, _)| counts.get(&side).is_some_and(|count| *count <= FEW));
+    // the smallest opening at the nodes of each side
+    let mut openings: HashMap<(usize, usize), f64> = HashMap::new();
+    for ((node, condition), row) in conditions(&contact.boundary).into_iter().zip(contact_rows(trace, contact)) {
+        for share in &condition.shares {
+            openings.insert((node, share.side), row.gap - row.normal_displacement);
+        }
+    }
+    let mut unresolved = 0.0;
+    for e in 0..mesh.len() {
+        let Some(given) = scene.contact(mesh.side[e]) else { continue };
+        let gap = |t: f64| {
+            let Site { point: [x, y], s, .. } = Site::new(mesh, e, t);
+            given.gap.eval(x, y, s)
+        };
+        let [a, middle, b] = [-1.0, 0.0, 1.0].map(gap);
+        let parabola = |t: f64| middle + t * (b - a) / 2.0 + t * t * ((a + b) / 2.0 - middle);
+        let off = BETWEEN.into_iter().map(|t| (gap(t) - parabola(t)).abs()).fold(0.0, f64::max);
+        let opening = [e, mesh.next[e]]
+            .iter()
+            .filter_map(|&node| openings.get(&(node, mesh.side[e])))
+            .fold(f64::INFINITY, |m, o| m.min(*o));
+        if opening <= off + (a - b).abs() {
+            unresolved += scene.problem.contact_modulus(mesh.edge[e]) / 2.0 * off * off;
+        }
+    }
+    let found = [(Doubt::Coarse, few), (Doubt::Data, unresolved > UNRESOLVED * error * error)];
+    found.into_iter().filter(|(_, is)| *is).map(|(doubt, _)| doubt).collect()
+}
+
+/// Places on an element at which a gap is compared with a parabola.
+const BETWEEN: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];

@@ -7,13 +7,16 @@ use steklov_elastic::principal;
 use steklov_msfem::{HeterogeneousBody, Loads, bubble_values};
 use steklov_problem::{Condition, QuantityKind, Scene};
 
-use super::frozen_contact::FrozenContact;
+use super::frozen_contact::{FrozenContact, conditions};
 use super::solution::GridSolved;
 use super::solve_coarse::weights_at;
 use super::trace::GridTrace;
 use crate::answer::probes::slopes;
 use crate::data::supports::Held;
 use crate::quantities::{self, peaks};
+
+/// The part of the second difference of pressures by which their peak may be off between nodes: 1/8 for its place, 1/12 for the mean.
+const OF_BEND: f64 = 0.25;
 
 /// A linear functional J, as the load of its dual problem.
 pub(super) struct GridFunctional<'a> {
@@ -119,8 +122,47 @@ impl<'a> GridFunctionals<'a> {
                 },
             }
         }
-        this.numbers.extend(peaks(scene).iter().map(|_| Number::new(f64::NAN, Vec::new())));
+        if !peaks(scene).is_empty() {
+            this.add_peak(solved);
+        }
         this
+    }
+
+    /// The largest pressure: the mean of the pressure about its node, with the hat function as weight.
+    fn add_peak(&mut self, solved: &GridSolved) {
+        let mesh = &solved.trace.mesh;
+        let Some(contact) = &solved.contact else { return };
+        let (conditions, multipliers) = (conditions(&contact.boundary), &contact.reported().multipliers);
+        let Some(peak) = (0..conditions.len()).max_by(|&a, &b| multipliers[a][0].total_cmp(&multipliers[b][0])) else {
+            return;
+        };
+        let (node, condition) = conditions[peak];
+        let weight: f64 = condition.shares.iter().map(|share| share.normal).sum();
+        let Some(side) = condition.shares.first().map(|share| share.side) else { return };
+        let pressure = multipliers[peak][0];
+        let beside = |other: usize| {
+            let own = conditions.iter().position(|(at, c)| *at == other && c.normal == condition.normal);
+            own.map(|k| multipliers[k][0])
+        };
+        // the pressure bends between the nodes
+        let bend = match [mesh.previous()[node], mesh.next[node]].map(beside) {
+            [Some(a), Some(b)] => (a - 2.0 * pressure + b).abs(),
+            [Some(a), None] | [None, Some(a)] => (a - pressure).abs(),
+            [None, None] => f64::NAN,
+        };
+        let (at, normal) = (mesh.vertices[node], condition.normal);
+        let along = usize::from(normal[1] == 0.0);
+        let reach = [mesh.previous()[node], mesh.next[node]].map(|other| mesh.vertices[other][along] - at[along]);
+        let hat = move |x: [f64; 2]| {
+            let off = x[along] - at[along];
+            let reach = reach.into_iter().find(|reach| reach * off > 0.0).unwrap_or(1.0);
+            let height = (1.0 - off / reach).max(0.0) / weight;
+            normal.map(|n| -height * n)
+        };
+        self.add(GridFunctional::of_forces(pressure, side, Box::new(hat)));
+        if let Some(number) = self.numbers.last_mut() {
+            number.off = OF_BEND * bend;
+        }
     }
 
     /// Adds a number that is one functional.

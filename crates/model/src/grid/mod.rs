@@ -37,6 +37,7 @@ pub use adjoint::modulus_derivatives;
 pub(crate) use affine::{AffineGrid, OfBlock};
 pub use duals::GridQuantity;
 pub use error_parts::{FAILING, GridEstimate};
+pub(crate) use frozen_contact::doubts_of_contact;
 pub use layout::GridLayout;
 pub use run::{MARKING, OnGrid};
 pub use solution::{CoarseSolved, GridSolved};

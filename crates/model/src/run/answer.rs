@@ -17,12 +17,12 @@ use crate::run::adaptive_loop::{Model, Reason, Run};
 use crate::run::expect::expected;
 use crate::run::report::{OfMeans, Report};
 use crate::solve::contact::ContactResult;
-use crate::solve::contact_rows::{ContactRow, contact_rows};
+use crate::solve::contact_rows::{ContactRow, Trace, contact_rows};
 use crate::stochastic::{self, StochasticResult};
 use crate::summary::{
     Audit, ContactSummary, InterfaceSummary, MediumSummary, SecondsSummary, Summary, peak_memory_bytes,
 };
-use crate::zone_bars::Zones;
+use crate::zone_bars::{Zones, lengths_of_nodes, rubs};
 
 impl Summary {
     /// The numbers of a run, with all outcomes of its random input if they were solved.
@@ -51,6 +51,27 @@ fn add_lengths(quantities: &mut Quantities, zones: Zones<'_>, doubts: &[String])
         quantities.insert(format!("{of}.stick"), with([stick, of_stick]));
         let slip = [length.value - stick, length.uncertainty + of_stick];
         quantities.insert(format!("{of}.slip"), with(slip));
+    }
+}
+
+/// Adds the lengths of all contact, stick and slip on a grid.
+fn add_lengths_of_nodes(
+    quantities: &mut Quantities,
+    scene: &Scene,
+    (trace, contact, rows): (Trace<'_>, &ContactResult, &[ContactRow]),
+    doubts: &[String],
+) {
+    let [[length, of_length], stick] = lengths_of_nodes(scene, trace, contact, rows);
+    // a body may touch between the nodes
+    if length == 0.0 {
+        return;
+    }
+    let [stick, of_stick] = if scene.contacts().any(|(side, _)| rubs(scene, side)) { stick } else { [0.0; 2] };
+    let all =
+        [("length", length, of_length), ("stick", stick, of_stick), ("slip", length - stick, of_length + of_stick)];
+    for (name, value, uncertainty) in all {
+        let quantity = Quantity { value, uncertainty, doubts: doubts.to_vec(), parts: BTreeMap::new() };
+        quantities.insert(format!("contact.{name}"), quantity);
     }
 }
 
@@ -134,6 +155,9 @@ pub fn answer<M: Model>(
         let zones = Zones { scene, trace: report.trace, contact, rows, located, off };
         add_lengths(&mut quantities, zones, &doubts);
     }
+    if let (Some(contact), true) = (contact, report.grid.is_some()) {
+        add_lengths_of_nodes(&mut quantities, scene, (report.trace, contact, rows), &doubts);
+    }
     let with_peak = |(number, told): (usize, InterfaceSummary)| {
         let peak = quantities.get(&format!("interfaces.{number}.max_pressure")).map(|peak| peak.value);
         InterfaceSummary { max_pressure: peak.or(told.max_pressure), ..told }
@@ -180,6 +204,8 @@ pub fn answer<M: Model>(
         named,
         probe,
         infinite_stress,
+        max_von_mises: report.largest_stress.map(|largest| largest.value),
+        max_von_mises_at: report.largest_stress.map(|largest| largest.point),
         probe_lines: lines,
         probe_sides: sides,
         quantities,

@@ -6,6 +6,7 @@ use steklov_elastic::plane::norm;
 use steklov_problem::{Multiplier, Scene};
 
 use crate::answer::interfaces;
+use crate::answer::largest_stress::largest_von_mises;
 use crate::answer::probes;
 use crate::answer::report::located;
 use crate::bars::Bars;
@@ -57,6 +58,7 @@ pub(crate) fn report<'a>(
         probe: scene.probe.iter().map(|&x| solved.probe(scene, x)).collect(),
         named: data.named(&solved.elastic_field(), &solved.works),
         near: data.near_transitions(transitions),
+        largest_stress: bars.know_largest_stress().then(|| largest_von_mises(scene, &solved.elastic_field())).flatten(),
         bars,
         over_outcomes: None,
         lines: probes::lines(scene, |spot, x| solved.at(spot, x)),

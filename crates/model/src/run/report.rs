@@ -2,6 +2,7 @@
 
 use steklov_contact::Located;
 
+use crate::answer::largest_stress::LargestStress;
 use crate::bars::Bars;
 use crate::doubt::Doubt;
 use crate::energies::Energies;
@@ -53,6 +54,8 @@ pub struct Report<'a> {
     pub bars: Bars,
     /// What has error bars in the mean over outcomes of random input, where these are known.
     pub over_outcomes: Option<OfMeans>,
+    /// The largest von Mises stress; none where it is infinite or not known.
+    pub largest_stress: Option<LargestStress>,
     /// The same along its lines.
     pub lines: Vec<LineProbe>,
     /// The same along its sides, with tractions.

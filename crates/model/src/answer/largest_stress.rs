@@ -1,0 +1,153 @@
+//! The largest von Mises stress of the bodies, and where it is.
+//!
+//! Along the boundary it is looked for at points of each element, inside at points below them: beneath a contact it may be larger than at
+//! the surface. From the best points it is followed uphill. What is narrower than the distances of these points is missed.
+
+use rayon::prelude::*;
+use steklov_bem_operators::{Location, Mesh};
+use steklov_elastic::plane::distance;
+use steklov_problem::{Scene, facets};
+
+use crate::answer::singular_points::singular_points;
+use crate::solve::contact_rows::ContactRow;
+use crate::solve::fields::ElasticField;
+
+/// Depths of points below an element, over its length.
+const DEPTHS: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
+/// Least distance from an element of a point inside, over its length and for degree 1.
+const NEAREST: f64 = 0.4;
+/// Points of an element more than its degree.
+const MORE: usize = 3;
+/// Elements, and places inside, from which the largest stress is followed.
+const STARTS: usize = 3;
+/// Steps along an element, and halvings inside: a place is known to this part of its neighbourhood, the stress to its square.
+const STEPS: usize = 24;
+const HALVINGS: usize = 12;
+
+/// The largest von Mises stress.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LargestStress {
+    /// Its value.
+    pub value: f64,
+    /// Where it is.
+    pub point: [f64; 2],
+    /// The reference coordinate of an element, or a body.
+    place: Place,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Boundary(usize, f64),
+    Inside(usize),
+}
+
+impl LargestStress {
+    /// The stress of another field at the same place.
+    pub(crate) fn of(&self, scene: &Scene, field: &ElasticField<'_>) -> f64 {
+        let (body, stress) = match self.place {
+            Place::Boundary(e, t) => (scene.problem.body_of_side(field.mesh.side[e]), field.on_boundary(e, t).1),
+            Place::Inside(body) => (body, field.inside(body, self.point).1),
+        };
+        scene.problem.bodies[body].material().von_mises(stress)
+    }
+}
+
+/// Whether the stress is finite everywhere, of curves that are no polygons.
+pub(crate) fn is_bounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> bool {
+    facets(&scene.problem.outline).is_empty() && singular_points(scene, mesh, rows).is_empty()
+}
+
+/// The largest von Mises stress of a field of the bodies.
+pub(crate) fn largest_von_mises(scene: &Scene, field: &ElasticField<'_>) -> Option<LargestStress> {
+    let problem = &scene.problem;
+    let (mesh, outline) = (field.mesh, &problem.outline);
+    let body_of = |e: usize| problem.body_of_side(mesh.side[e]);
+    let of = |body: usize, stress: [f64; 3]| problem.bodies[body].material().von_mises(stress);
+    let on_boundary = |e: usize, t: f64| of(body_of(e), field.on_boundary(e, t).1);
+    let highest = |e: usize| {
+        let count = mesh.degree[e] + MORE;
+        let at = |k: usize| 2.0 * k as f64 / (count - 1) as f64 - 1.0;
+        let best = (0..count).map(|k| (on_boundary(e, at(k)), k)).max_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(value, k)| (value, e, [at(k.saturating_sub(1)), at(k), at((k + 1).min(count - 1))]))
+    };
+    let mut highest: Vec<_> = (0..mesh.len()).into_par_iter().filter_map(highest).collect();
+    highest.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let on_surface = highest.into_iter().take(STARTS).map(|(_, e, between)| {
+        let (value, t) = uphill(between, |t| on_boundary(e, t));
+        LargestStress { value, point: mesh.point(e, t), place: Place::Boundary(e, t) }
+    });
+
+    let inside = |body: usize, x: [f64; 2]| {
+        let is_inside = outline.body_at(x) == Some(body) && matches!(outline.contains(x), Location::Inside);
+        if is_inside && !is_beside_elements(mesh, x) { of(body, field.inside(body, x).1) } else { f64::NEG_INFINITY }
+    };
+    let below = |e: usize| {
+        let ([x, y], [nx, ny], length) = (mesh.point(e, 0.0), mesh.normal(e, 0.0), mesh.length(e));
+        DEPTHS.map(|depth| (body_of(e), [x - depth * length * nx, y - depth * length * ny], depth * length))
+    };
+    let points: Vec<_> = (0..mesh.len()).flat_map(below).collect();
+    let mut found: Vec<_> = points.into_par_iter().map(|(body, x, depth)| (inside(body, x), body, x, depth)).collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut starts: Vec<(f64, usize, [f64; 2], f64)> = Vec::new();
+    for own in found.into_iter().filter(|own| own.0.is_finite()) {
+        if starts.len() < STARTS && starts.iter().all(|other| distance(own.2, other.2) > other.3) {
+            starts.push(own);
+        }
+    }
+    let follow = |(value, body, x, depth): (f64, usize, [f64; 2], f64)| {
+        let (value, point) = climb((value, x), depth / 2.0, |x| inside(body, x));
+        LargestStress { value, point, place: Place::Inside(body) }
+    };
+    let all = starts.into_iter().map(follow).chain(on_surface);
+    all.max_by(|a, b| a.value.total_cmp(&b.value))
+}
+
+/// Whether a point is so near to an element that its stress is none: that of a discrete field is infinite at the ends of elements.
+fn is_beside_elements(mesh: &Mesh, x: [f64; 2]) -> bool {
+    let beside = |e: usize| {
+        let near = NEAREST * mesh.length(e) / mesh.degree[e] as f64;
+        [-1.0, -0.5, 0.0, 0.5, 1.0].into_iter().any(|t| distance(mesh.point(e, t), x) < near)
+    };
+    (0..mesh.len()).any(beside)
+}
+
+/// The largest value between three rising places whose middle one is the largest, and its place: by golden sections.
+fn uphill([mut a, mut middle, mut b]: [f64; 3], of: impl Fn(f64) -> f64) -> (f64, f64) {
+    const GOLDEN: f64 = 0.381_966_011_250_105_1;
+    let mut best = of(middle);
+    for _ in 0..STEPS {
+        let next =
+            if b - middle > middle - a { middle + GOLDEN * (b - middle) } else { middle - GOLDEN * (middle - a) };
+        let value = of(next);
+        if value > best {
+            if next > middle {
+                a = middle
+            } else {
+                b = middle
+            }
+            (middle, best) = (next, value);
+        } else if next > middle {
+            b = next;
+        } else {
+            a = next;
+        }
+    }
+    (best, middle)
+}
+
+/// Uphill from a point by steps along x and y that are halved where none leads higher.
+fn climb((mut value, mut point): (f64, [f64; 2]), mut step: f64, of: impl Fn([f64; 2]) -> f64) -> (f64, [f64; 2]) {
+    let mut halvings = 0;
+    while halvings < HALVINGS {
+        let around =
+            [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]].map(|by| [point[0] + by[0], point[1] + by[1]]);
+        match around.map(|x| (of(x), x)).into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((higher, x)) if higher > value => (value, point) = (higher, x),
+            _ => {
+                step /= 2.0;
+                halvings += 1;
+            }
+        }
+    }
+    (value, point)
+}
