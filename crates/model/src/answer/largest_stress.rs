@@ -13,16 +13,19 @@ use crate::solve::contact_rows::ContactRow;
 use crate::solve::fields::ElasticField;
 
 /// Depths of points below an element, over its length.
-const DEPTHS: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
+const DEPTHS: [f64; 4] = [0.2, 0.5, 1.2, 3.0];
+/// Elements with less than this part of the largest stress have no such points below them.
+const PART: f64 = 0.3;
 /// Least distance from an element of a point inside, over its length and for degree 1.
 const NEAREST: f64 = 0.4;
 /// Points of an element more than its degree.
 const MORE: usize = 3;
 /// Elements, and places inside, from which the largest stress is followed.
 const STARTS: usize = 3;
-/// Steps along an element, and halvings inside: a place is known to this part of its neighbourhood, the stress to its square.
+/// Steps along an element, and times that steps inside are shortened: a place is known to this part of its neighbourhood, the stress to its
+/// square.
 const STEPS: usize = 24;
-const HALVINGS: usize = 12;
+const SHORTENED: usize = 4;
 
 /// The largest von Mises stress.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,32 +67,41 @@ pub(crate) fn largest_von_mises(scene: &Scene, field: &ElasticField<'_>) -> Opti
     let body_of = |e: usize| problem.body_of_side(mesh.side[e]);
     let of = |body: usize, stress: [f64; 3]| problem.bodies[body].material().von_mises(stress);
     let on_boundary = |e: usize, t: f64| of(body_of(e), field.on_boundary(e, t).1);
+    // of an element the largest stress, and the largest von Mises stress with its place between two others
     let highest = |e: usize| {
         let count = mesh.degree[e] + MORE;
         let at = |k: usize| 2.0 * k as f64 / (count - 1) as f64 - 1.0;
-        let best = (0..count).map(|k| (on_boundary(e, at(k)), k)).max_by(|a, b| a.0.total_cmp(&b.0));
-        best.map(|(value, k)| (value, e, [at(k.saturating_sub(1)), at(k), at((k + 1).min(count - 1))]))
+        let stresses: Vec<[f64; 3]> = (0..count).map(|k| field.on_boundary(e, at(k)).1).collect();
+        let size = stresses.iter().map(|[xx, yy, xy]| xx.hypot(*yy).hypot(*xy)).fold(0.0, f64::max);
+        let best = stresses.iter().map(|&stress| of(body_of(e), stress)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        best.map(|(k, value)| (value, e, [at(k.saturating_sub(1)), at(k), at((k + 1).min(count - 1))], size))
     };
     let mut highest: Vec<_> = (0..mesh.len()).into_par_iter().filter_map(highest).collect();
+    let least = PART * highest.iter().map(|own| own.3).fold(0.0, f64::max);
+    let loaded: Vec<usize> = highest.iter().filter(|own| own.3 >= least).map(|own| own.1).collect();
     highest.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let on_surface = highest.into_iter().take(STARTS).map(|(_, e, between)| {
+    let on_surface = highest.into_iter().take(STARTS).map(|(_, e, between, _)| {
         let (value, t) = uphill(between, |t| on_boundary(e, t));
         LargestStress { value, point: mesh.point(e, t), place: Place::Boundary(e, t) }
     });
 
     let inside = |body: usize, x: [f64; 2]| {
-        let is_inside = outline.body_at(x) == Some(body) && matches!(outline.contains(x), Location::Inside);
-        if is_inside && !is_beside_elements(mesh, x) { of(body, field.inside(body, x).1) } else { f64::NEG_INFINITY }
+        let is_inside = || outline.body_at(x) == Some(body) && matches!(outline.contains(x), Location::Inside);
+        if !is_beside_elements(mesh, x) && is_inside() { of(body, field.inside(body, x).1) } else { f64::NEG_INFINITY }
     };
+    // the largest below the middle of an element, unless the stress falls from there on
     let below = |e: usize| {
-        let ([x, y], [nx, ny], length) = (mesh.point(e, 0.0), mesh.normal(e, 0.0), mesh.length(e));
-        DEPTHS.map(|depth| (body_of(e), [x - depth * length * nx, y - depth * length * ny], depth * length))
+        let ([x, y], [nx, ny], body) = (mesh.point(e, 0.0), mesh.normal(e, 0.0), body_of(e));
+        let at = |depth: f64| [x - depth * nx, y - depth * ny];
+        let depths = DEPTHS.map(|depth| depth * mesh.length(e));
+        let best =
+            depths.map(|depth| (inside(body, at(depth)), depth)).into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (best.0 > on_boundary(e, 0.0)).then(|| (best.0, body, at(best.1), best.1))
     };
-    let points: Vec<_> = (0..mesh.len()).flat_map(below).collect();
-    let mut found: Vec<_> = points.into_par_iter().map(|(body, x, depth)| (inside(body, x), body, x, depth)).collect();
+    let mut found: Vec<_> = loaded.into_par_iter().filter_map(below).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut starts: Vec<(f64, usize, [f64; 2], f64)> = Vec::new();
-    for own in found.into_iter().filter(|own| own.0.is_finite()) {
+    for own in found {
         if starts.len() < STARTS && starts.iter().all(|other| distance(own.2, other.2) > other.3) {
             starts.push(own);
         }
@@ -135,19 +147,34 @@ fn uphill([mut a, mut middle, mut b]: [f64; 3], of: impl Fn(f64) -> f64) -> (f64
     (best, middle)
 }
 
-/// Uphill from a point by steps along x and y that are halved where none leads higher.
+/// Uphill from a point by steps along x and y. Where none leads higher the top of a parabola through the points about it does, and the
+/// steps become shorter.
 fn climb((mut value, mut point): (f64, [f64; 2]), mut step: f64, of: impl Fn([f64; 2]) -> f64) -> (f64, [f64; 2]) {
-    let mut halvings = 0;
-    while halvings < HALVINGS {
-        let around =
-            [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]].map(|by| [point[0] + by[0], point[1] + by[1]]);
-        match around.map(|x| (of(x), x)).into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((higher, x)) if higher > value => (value, point) = (higher, x),
-            _ => {
-                step /= 2.0;
-                halvings += 1;
+    let mut shortened = 0;
+    while shortened < SHORTENED {
+        let beside = |by: [f64; 2]| of([point[0] + by[0], point[1] + by[1]]);
+        let [east, west, north, south] = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]].map(beside);
+        let higher = [(east, [step, 0.0]), (west, [-step, 0.0]), (north, [0.0, step]), (south, [0.0, -step])];
+        let (best, by) = higher.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+        if best > value {
+            (value, point) = (best, [point[0] + by[0], point[1] + by[1]]);
+            continue;
+        }
+        let corner = beside([step, step]);
+        let [fx, fy] = [(east - west) / 2.0, (north - south) / 2.0];
+        let [fxx, fyy] = [east - 2.0 * value + west, north - 2.0 * value + south];
+        let fxy = corner - value - fx - fy - (fxx + fyy) / 2.0;
+        let determinant = fxx * fyy - fxy * fxy;
+        let to = [fxy * fy - fyy * fx, fxy * fx - fxx * fy].map(|by| step * by / determinant);
+        let at = [point[0] + to[0], point[1] + to[1]];
+        if determinant > 0.0 && to[0].hypot(to[1]) <= step {
+            let top = of(at);
+            if top > value {
+                (value, point) = (top, at);
             }
         }
+        step /= 4.0;
+        shortened += 1;
     }
     (value, point)
 }
