@@ -13,7 +13,7 @@ use steklov_bem_operators::Site;
 use steklov_contact::{
     BoundaryCondition, ContactBoundary, ContactError, Frozen, FrozenDual, MovedEnd, Sets, Solution, moved_ends,
 };
-use steklov_elastic::plane::dot as along;
+use steklov_elastic::plane::dot;
 use steklov_msfem::{Elimination, ReducedLoad};
 use steklov_problem::Scene;
 
@@ -139,7 +139,7 @@ impl FrozenContact {
     /// The work of given shear on a field w along a side; `at` has the points of the fine nodes.
     pub fn work(&self, side: usize, at: impl Fn(usize) -> [f64; 2], w: impl Fn([f64; 2]) -> [f64; 2]) -> f64 {
         let own = self.shear.iter().filter(|own| own.side == side && !own.follows);
-        own.map(|own| along(w(at(own.node)), own.force)).sum()
+        own.map(|own| dot(w(at(own.node)), own.force)).sum()
     }
 }
 
@@ -212,7 +212,7 @@ pub(super) fn on_contact(boundary: &ContactBoundary, side: usize, w: impl Fn([f6
         for &direction in &node.directions {
             let (mut own, mut whole) = (0.0, 0.0);
             for condition in &node.conditions {
-                let is_normal = along(condition.normal, direction).abs() > 0.5;
+                let is_normal = dot(condition.normal, direction).abs() > 0.5;
                 let only = node.conditions.len() == 1;
                 for share in condition.shares.iter().filter(|_| is_normal || only) {
                     let weight = if is_normal { share.normal } else { share.tangent };
@@ -220,7 +220,7 @@ pub(super) fn on_contact(boundary: &ContactBoundary, side: usize, w: impl Fn([f6
                     own += if share.side == side { weight } else { 0.0 };
                 }
             }
-            all.push(if whole > 0.0 { along(w, direction) * own / whole } else { 0.0 });
+            all.push(if whole > 0.0 { dot(w, direction) * own / whole } else { 0.0 });
         }
     }
     all

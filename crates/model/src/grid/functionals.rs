@@ -122,23 +122,21 @@ impl<'a> GridFunctionals<'a> {
                 },
             }
         }
-        if !peaks(scene).is_empty() {
-            this.add_peak(solved);
+        if !peaks(scene).is_empty() && this.add_peak(solved).is_none() {
+            this.numbers.push(Number::new(f64::NAN, Vec::new()));
         }
         this
     }
 
     /// The largest pressure: the mean of the pressure about its node, with the hat function as weight.
-    fn add_peak(&mut self, solved: &GridSolved) {
+    fn add_peak(&mut self, solved: &GridSolved) -> Option<()> {
         let mesh = &solved.trace.mesh;
-        let Some(contact) = &solved.contact else { return };
+        let contact = solved.contact.as_ref()?;
         let (conditions, multipliers) = (conditions(&contact.boundary), &contact.reported().multipliers);
-        let Some(peak) = (0..conditions.len()).max_by(|&a, &b| multipliers[a][0].total_cmp(&multipliers[b][0])) else {
-            return;
-        };
+        let peak = (0..conditions.len()).max_by(|&a, &b| multipliers[a][0].total_cmp(&multipliers[b][0]))?;
         let (node, condition) = conditions[peak];
         let weight: f64 = condition.shares.iter().map(|share| share.normal).sum();
-        let Some(side) = condition.shares.first().map(|share| share.side) else { return };
+        let side = condition.shares.first()?.side;
         let pressure = multipliers[peak][0];
         let beside = |other: usize| {
             let own = conditions.iter().position(|(at, c)| *at == other && c.normal == condition.normal);
@@ -163,6 +161,7 @@ impl<'a> GridFunctionals<'a> {
         if let Some(number) = self.numbers.last_mut() {
             number.off = OF_BEND * bend;
         }
+        Some(())
     }
 
     /// Adds a number that is one functional.
