@@ -2,7 +2,7 @@
 
 use steklov_model::quantities::Quantity;
 use steklov_model::summary::Summary;
-use steklov_tests::{scene, summary};
+use steklov_tests::{parse, scene, summary};
 
 /// Value, uncertainty and place.
 fn largest(summary: &Summary) -> (f64, f64, [f64; 2]) {
@@ -70,4 +70,21 @@ fn it_is_not_told_where_a_stress_is_infinite() {
         let told = summary.max_von_mises.is_some() || summary.quantities.contains_key("max_von_mises");
         assert!(!told && !summary.infinite_stress.is_empty(), "{name}: {:?}", summary.max_von_mises);
     }
+}
+
+/// The medium about a soft inclusion is stressed more than that; that about a lining is a body of its own.
+#[test]
+fn it_is_not_told_of_an_inclusion() {
+    let inclusion = "body = { circle = { centre = [0, 0], radius = 1 }, side = \"rim\" }\n\
+                     material = { young = 1, poisson = 0.3 }\nprobe.points = [[0, 0]]\n\
+                     exterior = { young = 5, poisson = 0.3, remote_stress = [1, 0, 0] }\n";
+    let own = summary(&parse(inclusion, &[]).unwrap_or_else(|e| panic!("{}", e.render())));
+    assert!(own.max_von_mises.is_none() && !own.quantities.contains_key("max_von_mises"));
+    assert!(own.infinite_stress.is_empty() && own.quantities.contains_key("probe.0.von_mises"));
+
+    let soft = ["material.young=0.05", "method.tolerance=1e-4", "probe.points=[[1.3, 0]]"];
+    let lining = summary(&scene("round-lining", &soft));
+    let (value, _, place) = largest(&lining);
+    let beside = lining.probe[0].von_mises.expect("a finite stress");
+    assert!((place[0].hypot(place[1]) - 1.25).abs() < 1e-6 && value > beside, "{value} at {place:?}, {beside}");
 }

@@ -3,8 +3,9 @@
 use proptest::prelude::*;
 
 use super::oracle::distance;
+use super::rows::{Row, SPRING, WEIGHT};
 use crate::proptest::{Friction, ordinary};
-use crate::{ContactLine, Frozen, LinePoint, Problem, Sets, interior_point, moved_ends};
+use crate::{ContactLine, Frozen, LinePoint, MovedEnd, Problem, Sets, interior_point, moved_ends};
 
 /// ½ vᵀSv - fᵀv + Σ D s F u_t, s the slip of the sets.
 fn energy(problem: &Problem, sets: &Sets, v: &[f64]) -> f64 {
@@ -86,5 +87,37 @@ proptest! {
             prop_assert!(distance(&sum, &capped) < 1e-9, "{sum:?} {capped:?}");
             prop_assert!((moved.energy - (energy(&problem, sets, &sum) - before)).abs() < 1e-9 * scale);
         }
+    }
+}
+
+/// Nodes on springs: one that sticks under 0.8 and one under 0.3 of the bound, closed under pressure.
+#[test]
+fn nodes_near_slip_and_last_nodes_that_may_open_are_ends() {
+    let (bound, shares, overlap) = (0.7, [0.8, 0.3], 0.2);
+    let mut row = Row::new(&[0.0, 1.0], 0.1, bound);
+    row.opening(|_| -overlap);
+    for (i, share) in shares.into_iter().enumerate() {
+        row.problem.load[2 * i + 1] = share * WEIGHT * bound;
+    }
+    let solution = interior_point(&row.problem).unwrap();
+    let sets = Sets::new(&row.problem, &solution).unwrap();
+    let frozen = Frozen::new(&row.problem, &sets).unwrap();
+    let of = |may_open| moved_ends((&row.problem, &solution), (&sets, &frozen), (&[row.line.clone()], may_open));
+    let change = |ends: &[MovedEnd; 2], unknown: usize| {
+        let mut unit = vec![0.0; 4];
+        unit[unknown] = 1.0;
+        ends.each_ref().map(|end| end.change_of(&unit, &frozen.correction(&unit)))
+    };
+    // half of the shear of the first one on its spring
+    let slides = 0.5 * shares[0] * WEIGHT * bound / SPRING;
+    let near = of(false);
+    assert_eq!(near.len(), 1);
+    assert!(change(&near[0], 1).iter().all(|own| (own - slides).abs() < 1e-12), "{:?}", change(&near[0], 1));
+    // the whole pressure, which held the spring by the overlap
+    let open = of(true);
+    assert_eq!(open.len(), 3);
+    for (ends, unknown) in open[1..].iter().zip([0, 2]) {
+        assert!(change(ends, unknown).iter().all(|own| (own - overlap).abs() < 1e-12), "{:?}", change(ends, unknown));
+        assert!(ends.iter().all(|end| (end.energy + 0.5 * SPRING * overlap * overlap).abs() < 1e-12));
     }
 }

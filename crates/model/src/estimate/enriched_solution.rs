@@ -137,10 +137,11 @@ pub(crate) fn both(
     Ok((all.collect(), ends))
 }
 
-/// The largest von Mises stress of u and that of u₊ at its place, and the place; None where it is infinite.
+/// The largest von Mises stress of u and that of u₊ at its place, and the place; None where it is infinite, and beside a medium.
 fn largest_stress(scene: &Scene, solved: &Solved, plus: &ElasticField<'_>) -> Option<([f64; 2], [f64; 2])> {
     let rows = solved.contact.as_ref().map_or(Vec::new(), |contact| contact_rows(solved.trace(), contact));
-    let known = has_largest_stress(scene) && is_bounded(scene, &solved.mesh, &rows);
+    // in a medium it may be larger than in the body
+    let known = has_largest_stress(scene) && solved.around.is_none() && is_bounded(scene, &solved.mesh, &rows);
     let largest = known.then(|| largest_von_mises(scene, &solved.elastic_field()))??;
     Some(([largest.value, largest.of(scene, plus)], largest.point))
 }
