@@ -26,6 +26,7 @@ mod grid_bars;
 mod grid_contact;
 mod grid_identities;
 mod grid_limits;
+mod grid_media_bars;
 mod inclusions;
 mod judged_bars;
 mod largest_stress;

@@ -137,7 +137,7 @@ fn random_body(random: &mut Random, cells: bool) -> String {
 }
 
 /// Bar over error of the numbers of one summary against those of another, where that tells the error.
-fn effectivities(own: &Summary, reference: &Summary, bar_of: impl Fn(&Quantity) -> f64) -> Vec<f64> {
+pub fn effectivities(own: &Summary, reference: &Summary, bar_of: impl Fn(&Quantity) -> f64) -> Vec<f64> {
     let mut found = Vec::new();
     for (path, quantity) in own.quantities.iter().filter(|(path, of)| *path != "energy" && of.doubts.is_empty()) {
         let Some(Quantity { value, uncertainty, .. }) = reference.quantities.get(path) else { continue };
@@ -150,7 +150,7 @@ fn effectivities(own: &Summary, reference: &Summary, bar_of: impl Fn(&Quantity) 
 }
 
 /// The shares of `found` at least `below`, and at most `above`.
-fn shares(found: &[f64], below: f64, above: f64) -> [f64; 2] {
+pub fn shares(found: &[f64], below: f64, above: f64) -> [f64; 2] {
     let share = |holds: &dyn Fn(f64) -> bool| found.iter().filter(|e| holds(**e)).count() as f64 / found.len() as f64;
     [share(&|e| e >= below), share(&|e| e <= above)]
 }

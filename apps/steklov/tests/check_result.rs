@@ -29,7 +29,7 @@ const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"
 const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
 const FEW: &str = "method.max_steps=3";
 
-const KINDS: [Kind; 27] = [
+const KINDS: [Kind; 28] = [
     kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
@@ -119,6 +119,7 @@ const KINDS: [Kind; 27] = [
     kind("fem", "39-weight-that-varies", &[], &["K ", "equilibrium", "strain energy"]),
     kind("msfem", "38-l-shape-of-random-cells", &["grid.fine=[4, 4]", FEW], &["K_H ", "basis", "strain energy"]),
     kind("msfem-contact", "37-block-of-random-cells", &["method.estimators=true"], &["basis", "contact problem"]),
+    kind("nonconforming", "35-checkerboard", &["grid.fine=[4, 4]", "grid.oversample=2"], &["K_H ", "basis"]),
     kind("fem-bem", "40-transmission", &["method.estimators=true"], MEDIUM),
     kind("msfem-bem", "42-stiff-inclusion-of-random-cells", &["grid.fine=[4, 4]", "method.max_steps=2"], MEDIUM),
     kind("cut", "74-plate-with-holes", &["method.tolerance=1e-3", FEW], &["V ", "W ", "S "]),

@@ -97,22 +97,35 @@ fn mirrored(a: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i.max(j), i.min(j))])
 }
 
-/// Solves a positive definite system in place, reading its lower triangle; None if it is not definite.
-///
-/// # Errors
-/// A wrong factor.
-pub(crate) fn solve_definite(mut matrix: Mat<f64>, mut right: Mat<f64>) -> Result<Option<Mat<f64>>, Fault> {
-    let (n, par) = (matrix.nrows(), parts());
-    let whole = mirrored(&matrix);
-    let scratch = llt::factor::cholesky_in_place_scratch::<f64>(n, par, Default::default());
-    let mut memory = MemBuffer::new(scratch.or(llt::solve::solve_in_place_scratch::<f64>(n, right.ncols(), par)));
-    let regular = LltRegularization::default();
-    let stack = MemStack::new(&mut memory);
-    if llt::factor::cholesky_in_place(matrix.as_mut(), regular, par, stack, Default::default()).is_err() {
-        return Ok(None);
+/// The Cholesky factor of a positive definite matrix.
+#[derive(Debug, Clone)]
+pub(crate) struct Definite(Mat<f64>);
+
+impl Definite {
+    /// Factorises in place, reading the lower triangle; None if the matrix is not definite.
+    ///
+    /// # Errors
+    /// A wrong factor.
+    pub fn new(mut matrix: Mat<f64>) -> Result<Option<Self>, Fault> {
+        let par = parts();
+        let whole = mirrored(&matrix);
+        let scratch = llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), par, Default::default());
+        let (mut memory, regular) = (MemBuffer::new(scratch), LltRegularization::default());
+        let stack = MemStack::new(&mut memory);
+        if llt::factor::cholesky_in_place(matrix.as_mut(), regular, par, stack, Default::default()).is_err() {
+            return Ok(None);
+        }
+        spoil(matrix.as_mut(), true);
+        check_cholesky(whole.as_ref(), matrix.as_ref())?;
+        Ok(Some(Self(matrix)))
     }
-    spoil(matrix.as_mut(), true);
-    check_cholesky(whole.as_ref(), matrix.as_ref())?;
-    llt::solve::solve_in_place(matrix.as_ref(), right.as_mut(), par, MemStack::new(&mut memory));
-    Ok(right.is_all_finite().then_some(right))
+
+    /// The solutions for these columns; None if one is not finite.
+    pub fn solve(&self, mut right: Mat<f64>) -> Option<Mat<f64>> {
+        let par = parts();
+        let scratch = llt::solve::solve_in_place_scratch::<f64>(self.0.nrows(), right.ncols(), par);
+        let mut memory = MemBuffer::new(scratch);
+        llt::solve::solve_in_place(self.0.as_ref(), right.as_mut(), par, MemStack::new(&mut memory));
+        right.is_all_finite().then_some(right)
+    }
 }

@@ -1,6 +1,7 @@
 //! The three forms of the equations on the interface.
 
-use crate::{Coupled, CouplingError, Medium, Radiation, Transmission, dense, schur, three_field, two_field};
+use crate::coupled::Unknowns;
+use crate::{Coupled, CouplingError, Medium, Radiation, SchurFactor, Transmission, dense, three_field, two_field};
 
 /// Stiffness of the body over that of the medium from which on too few digits are left.
 const CONTRAST: f64 = 1e10;
@@ -41,6 +42,42 @@ impl Transmission<'_> {
     /// [`CouplingError::Inconsistent`] for a jump of another size or one that is not finite, [`CouplingError::Unbalanced`] for
     /// a resultant and [`Radiation::Bounded`], [`CouplingError::Contrast`], [`CouplingError::Singular`].
     pub fn solve(&self, jump: &[f64], form: Form, radiation: Radiation) -> Result<Coupled, CouplingError> {
+        self.check(jump, radiation)?;
+        self.check_contrast(form)?;
+        let projection = &self.transfer.projection;
+        let solved = match form {
+            Form::TwoField => two_field::solve(self, jump)?,
+            Form::ThreeField => three_field::solve(self, jump)?,
+            Form::Schur => SchurFactor::new(self)?.and_then(|factor| factor.solve(projection, self.load(), jump)),
+        };
+        Ok(self.coupled(solved.ok_or_else(|| self.singular())?, jump, radiation))
+    }
+
+    /// The factor of [`Form::Schur`], for [`Self::solve_with`] and the solutions of other loads.
+    ///
+    /// # Errors
+    /// [`CouplingError::Contrast`], [`CouplingError::Singular`].
+    pub fn factor(&self) -> Result<SchurFactor, CouplingError> {
+        self.check_contrast(Form::Schur)?;
+        SchurFactor::new(self)?.ok_or_else(|| self.singular())
+    }
+
+    /// Solves [`Form::Schur`] with its factor.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_with(
+        &self,
+        factor: &SchurFactor,
+        jump: &[f64],
+        radiation: Radiation,
+    ) -> Result<Coupled, CouplingError> {
+        self.check(jump, radiation)?;
+        let solved = factor.solve(&self.transfer.projection, self.load(), jump);
+        Ok(self.coupled(solved.ok_or_else(|| self.singular())?, jump, radiation))
+    }
+
+    fn check(&self, jump: &[f64], radiation: Radiation) -> Result<(), CouplingError> {
         let needed = self.medium.space.dofs();
         if jump.len() != needed {
             let what =
@@ -55,17 +92,24 @@ impl Transmission<'_> {
         if radiation == Radiation::Bounded {
             self.balance.check()?;
         }
+        Ok(())
+    }
+
+    fn check_contrast(&self, form: Form) -> Result<(), CouplingError> {
         let contrast = self.contrast();
         let lost = if form == Form::ThreeField { contrast.max(1.0 / contrast) } else { contrast };
         if lost >= CONTRAST || !lost.is_finite() {
             return Err(CouplingError::Contrast { contrast, limit: CONTRAST });
         }
-        let solved = match form {
-            Form::TwoField => two_field::solve(self, jump)?,
-            Form::ThreeField => three_field::solve(self, jump)?,
-            Form::Schur => schur::solve(self, jump)?,
-        };
-        let solved = solved.ok_or(CouplingError::Singular { size: self.stiffness.nrows(), contrast })?;
+        Ok(())
+    }
+
+    fn singular(&self) -> CouplingError {
+        CouplingError::Singular { size: self.stiffness.nrows(), contrast: self.contrast() }
+    }
+
+    /// The fields of the unknowns of a form.
+    fn coupled(&self, solved: Unknowns, jump: &[f64], radiation: Radiation) -> Coupled {
         let displacement = self.inside.elimination.expand(&self.inside.reduced, &solved.interface);
         let trace = dense::apply(&self.transfer.projection, &solved.interface);
         let exterior_displacement: Vec<f64> = trace.iter().zip(jump).map(|(u, u0)| u - u0).collect();
@@ -84,7 +128,7 @@ impl Transmission<'_> {
         if radiation == Radiation::Bounded {
             coupled.remove_mean(self.medium);
         }
-        Ok(coupled)
+        coupled
     }
 }
 

@@ -7,7 +7,7 @@ use steklov_bem_operators::{Mesh, Space};
 use steklov_elastic::plane::{cross, distance, dot, minus};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
-use crate::dense::solve_definite;
+use crate::dense::Definite;
 use crate::{CouplingError, Trace};
 
 /// Points within this part of an element's length are one.
@@ -160,7 +160,8 @@ fn l2(overlaps: &[Vec<Overlap>], mesh: &Mesh, space: &Space, count: usize) -> Re
             }
         }
     }
-    let projection = solve_definite(mass, right)?
+    let projection = Definite::new(mass)?
+        .and_then(|factor| factor.solve(right))
         .unwrap_or_else(|| unreachable!("elements have a length: the mass matrix is definite"));
     let mut values = TriMat::new((n, count));
     for point in 0..count {

@@ -7,6 +7,7 @@ mod energy;
 mod identities;
 mod indicators;
 mod manufactured;
+mod medium_residuals;
 mod multiscale;
 mod signs;
 mod traction_error;

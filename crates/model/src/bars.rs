@@ -174,10 +174,10 @@ pub struct Bars {
     pub(crate) of_energy: Option<f64>,
     /// Doubts about all values: with contact whether data between the nodes make a good part of the error, which the enriched spaces miss too.
     pub(crate) doubts: Vec<Doubt>,
-    /// On a grid the parts of each uncertainty: that of the fine grid and that of its coarse cells.
-    pub(crate) parts: Vec<[f64; 2]>,
+    /// On a grid the parts of each uncertainty: that of the fine grid, of its coarse cells and of a medium.
+    pub(crate) parts: Vec<[f64; 3]>,
     /// On a grid the parts of the uncertainty of J.
-    pub(crate) parts_of_energy: Option<[f64; 2]>,
+    pub(crate) parts_of_energy: Option<[f64; 3]>,
     /// On a grid the points at which moduli jump, and those beside singular points.
     pub(crate) at_jumps: Vec<usize>,
     pub(crate) near_singular: Vec<usize>,
@@ -186,7 +186,7 @@ pub struct Bars {
 }
 
 /// The names of the parts on a grid.
-pub(crate) const ON_GRID: [&str; 2] = ["fine_grid", "multiscale"];
+pub(crate) const ON_GRID: [&str; 3] = ["fine_grid", "multiscale", "medium"];
 
 impl Bars {
     /// The values of the last of these steps.
@@ -279,8 +279,8 @@ impl Bars {
         let Some(estimate) = solved.estimate.as_ref().filter(|_| quantities.len() == entries.len()) else {
             return Self::default();
         };
-        let of = |own: &GridQuantity| [own.fine_grid, own.multiscale].map(|part| OF_DIFFERENCE * part);
-        let parts: Vec<[f64; 2]> = quantities.iter().map(of).collect();
+        let of = |own: &GridQuantity| [own.fine_grid, own.multiscale, own.medium].map(|part| OF_DIFFERENCE * part);
+        let parts: Vec<[f64; 3]> = quantities.iter().map(of).collect();
         let values = quantities.iter().zip(&parts).map(|(own, parts)| [own.value, parts.iter().sum()]).collect();
         let scale = if estimate.relative > 0.0 { estimate.error / estimate.relative } else { 0.0 };
         let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
@@ -290,7 +290,7 @@ impl Bars {
             let fine = if scene.method.indicator == Indicator::Bubble { estimate.fine_grid / 2.0 } else { 0.0 };
             // J is not stationary under Coulomb's law
             let bounds = if coulomb { NOT_STATIONARY * estimate.error * (2.0 * friction).sqrt() } else { 0.0 };
-            [energy.fine_grid.max(fine) + bounds, energy.multiscale].map(|part| OF_DIFFERENCE * part)
+            [energy.fine_grid.max(fine) + bounds, energy.multiscale, energy.medium].map(|part| OF_DIFFERENCE * part)
         });
         let mut at_jumps = solved.at_jumps(&scene.probe);
         at_jumps.extend((0..scene.probe.len()).filter(|&k| is_in_contact(scene, scene.probe[k])));
@@ -321,11 +321,12 @@ impl Bars {
             return None;
         }
         let mean = |of: &dyn Fn(&Self) -> f64| of_outcomes.iter().map(of).sum::<f64>() / count;
-        let pair = |of: &dyn Fn(&Self) -> [f64; 2]| [0, 1].map(|part| mean(&|own| of(own)[part]));
-        all.values = (0..all.values.len()).map(|k| pair(&|own| own.values[k])).collect();
-        all.parts = (0..all.parts.len()).map(|k| pair(&|own| own.parts[k])).collect();
+        let parts = |of: &dyn Fn(&Self) -> [f64; 3]| [0, 1, 2].map(|part| mean(&|own| of(own)[part]));
+        let value = |k: usize| [0, 1].map(|i| mean(&|own| own.values[k][i]));
+        all.values = (0..all.values.len()).map(value).collect();
+        all.parts = (0..all.parts.len()).map(|k| parts(&|own| own.parts[k])).collect();
         let known = of_outcomes.iter().all(|own| own.parts_of_energy.is_some());
-        all.parts_of_energy = known.then(|| pair(&|own| own.parts_of_energy.unwrap_or_default()));
+        all.parts_of_energy = known.then(|| parts(&|own| own.parts_of_energy.unwrap_or_default()));
         all.at_jumps = of_outcomes.iter().flat_map(|own| own.at_jumps.clone()).collect();
         all.near_singular = of_outcomes.iter().flat_map(|own| own.near_singular.clone()).collect();
         Some(all)

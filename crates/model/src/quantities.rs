@@ -230,8 +230,11 @@ pub(crate) struct Told<'a> {
 pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantities {
     let with =
         |value, uncertainty| Quantity { value, uncertainty, doubts: told.doubts.to_vec(), parts: BTreeMap::new() };
-    let of_parts =
-        |parts: &[f64; 2]| ON_GRID.iter().zip(parts).map(|(name, &part)| ((*name).to_owned(), part)).collect();
+    let count = if scene.surroundings().is_some() { 3 } else { 2 };
+    let of_parts = |parts: &[f64; 3]| {
+        let named = ON_GRID.iter().zip(parts).take(count);
+        named.map(|(name, &part)| ((*name).to_owned(), part)).collect()
+    };
     let doubt = |quantity: &mut Quantity, doubt: Doubt| {
         let is_new = !quantity.doubts.iter().any(|word| word == doubt.word());
         quantity.doubts.extend(is_new.then(|| doubt.word().to_owned()));

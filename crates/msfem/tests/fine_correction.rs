@@ -26,13 +26,13 @@ fn solved() -> (HeterogeneousBody, Vec<f64>, Vec<bool>, Vec<f64>) {
 #[test]
 fn the_whole_residual_gives_the_solution_and_a_looser_one_less_energy() {
     let (body, load, held, u) = solved();
-    let c = fine_correction(&body, &load, &held, 0.0);
+    let c = fine_correction(&body, &load, &held, &[], 0.0);
     let size = u.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     let worst = c.iter().zip(&u).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
     assert!(worst < 1e-9 * size, "{worst:e} of {size:e}");
     let exact = body.energy(&u, &u);
     for enough in [1e-1, 1e-2, 1e-3] {
-        let c = fine_correction(&body, &load, &held, enough);
+        let c = fine_correction(&body, &load, &held, &[], enough);
         let rest: Vec<f64> = c.iter().zip(&u).map(|(a, b)| a - b).collect();
         let missing = body.energy(&rest, &rest) / exact;
         assert!(missing > 1e-12 && missing < 10.0 * enough, "{enough}: {missing:e}");

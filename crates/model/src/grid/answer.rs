@@ -86,8 +86,9 @@ impl GridSolved {
         };
         let crosses = |x: [f64; 2]| {
             let near = [0, 1].map(|k| ((x[k] - grid.origin[k]) / grid.spacing[k]).round().max(0.0) as usize);
-            grid.node(near[0], near[1])
-                .is_some_and(|node| is_near(x, grid.point(node), NEAR_CROSSING) && self.body.crossing(node) >= CROSSING)
+            let within = (0..2).all(|k| near[k] <= grid.cells[k]);
+            let node = if within { grid.node(near[0], near[1]) } else { None };
+            node.is_some_and(|node| is_near(x, grid.point(node), NEAR_CROSSING) && self.body.crossing(node) >= CROSSING)
         };
         let is_weak = |&x: &[f64; 2]| singular.iter().any(|&y| is_near(x, y, NEAR_SINGULAR)) || crosses(x);
         (0..points.len()).filter(|&k| is_weak(&points[k])).collect()

@@ -3,18 +3,24 @@
 use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
-use steklov_bem_operators::{Datum, Mesh, Site, Space};
+use steklov_bem_operators::{Datum, Mesh, Site};
 use steklov_contact::oscillation;
-use steklov_coupling::{Coupled, CouplingError, Form, InterfaceIndicators, Interior, Jumps, Medium, Transmission};
+use steklov_coupling::{
+    Coupled, CouplingError, Factored, Form, InterfaceIndicators, Interior, Jumps, Medium, Transmission,
+};
 use steklov_elastic::Material;
-use steklov_elastic::plane::{cross, distance, dot, minus};
-use steklov_msfem::{CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, Multiscale};
+use steklov_elastic::plane::{distance, dot, minus};
+use steklov_msfem::{Bases, CoarseMesh, Extra, HeterogeneousBody, Loads, Multiscale};
 use steklov_problem::{Scene, Surroundings};
 
 use super::cells::basis;
+use super::duals::{Equations, Factors};
+use super::in_medium::InMedium;
 use super::layout::GridLayout;
 use super::solution::{CoarseSolved, GridSolved};
+use super::solve::Unestimated;
 use super::trace::{GridTrace, node_at};
+use crate::data::supports::Held;
 use crate::energies::Energies;
 use crate::error::SolveError;
 use crate::solve::equilibrium::UNBALANCED;
@@ -26,6 +32,7 @@ use crate::stage::{Stage, watched};
 struct Joined {
     exterior: Medium,
     coupled: Coupled,
+    factored: Factored,
     /// How far the forces are out of balance.
     imbalance: f64,
     seconds: Seconds,
@@ -38,7 +45,7 @@ struct Inner {
     /// Displacement of the fine nodes, and of the nodes of the trace.
     displacement: Vec<f64>,
     boundary_displacement: Vec<f64>,
-    coarse: Option<CoarseSolved>,
+    coarse: Option<(CoarseSolved, Bases)>,
     dofs: usize,
 }
 
@@ -54,7 +61,7 @@ pub(super) fn solve_coupled(
     loads: &Loads,
     layout: &GridLayout,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<GridSolved, SolveError> {
+) -> Result<Unestimated, SolveError> {
     let (grid, clock) = (&body.grid, Instant::now());
     let Some(cells) = &layout.coarse else {
         observe(Stage::Progress("assembling K", 0.05))?;
@@ -93,8 +100,10 @@ pub(super) fn solve_coupled(
     let trace = GridTrace::new(scene, grid, |p| vertex_at(p).is_some())?;
     let on_boundary = trace.lattice.iter().map(|&p| vertex_at(p).map_or([f64::NAN; 2], |v| vertices[v]));
     let boundary_displacement = on_boundary.flatten().collect();
-    let (patterns, dofs, mesh) = (problem.patterns(), problem.dofs(), problem.mesh);
-    let coarse = Some(CoarseSolved { mesh, basis, displacement: vertices, bubbles, patterns, lift: Vec::new() });
+    let (patterns, dofs) = (problem.patterns(), problem.dofs());
+    let (mesh, bases) = problem.into_bases();
+    let coarse = CoarseSolved { mesh, basis, displacement: vertices, bubbles, patterns, lift: Vec::new() };
+    let coarse = Some((coarse, bases));
     let inner = Inner { body, trace, displacement, boundary_displacement, coarse, dofs };
     solved(scene, medium, loads, joined, inner)
 }
@@ -127,11 +136,12 @@ fn join(
     let clock = Instant::now();
     observe(Stage::Progress("interface", 0.6))?;
     // the two-field form, its tractions eliminated
-    let coupled = problem.solve(&jump, Form::Schur, medium.radiation)?;
+    let factor = problem.factor()?;
+    let coupled = problem.solve_with(&factor, &jump, medium.radiation)?;
     let imbalance = problem.imbalance(&coupled);
-    drop(problem);
+    let factored = problem.into_factored(factor);
     let seconds = Seconds { assemble, factorise, solve: clock.elapsed().as_secs_f64(), ..Seconds::default() };
-    Ok(Joined { exterior, coupled, imbalance, seconds })
+    Ok(Joined { exterior, coupled, factored, imbalance, seconds })
 }
 
 /// The boundary elements of a layout: those between the points of the trace, or as many as the scene asks for, cut where
@@ -147,7 +157,7 @@ fn boundary_mesh(scene: &Scene, layout: &GridLayout, interior: &Interior) -> Res
 }
 
 /// The edge of the interface next to a point, and its parameter there.
-fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
+pub(super) fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
     let place = |(k, edge): (usize, &steklov_bem_operators::Edge)| {
         let ([a, b], length) = (edge.listed(), edge.length());
         let along = dot(minus(x, a), minus(b, a)) / (length * length);
@@ -166,8 +176,8 @@ fn solved(
     loads: &Loads,
     joined: Joined,
     inner: Inner,
-) -> Result<GridSolved, SolveError> {
-    let Joined { exterior, coupled, imbalance, seconds } = joined;
+) -> Result<Unestimated, SolveError> {
+    let Joined { exterior, coupled, factored, imbalance, seconds } = joined;
     let Inner { body, trace, displacement, boundary_displacement, coarse, dofs } = inner;
     let load_work = loads.nodal(&body).iter().zip(&displacement).map(|(f, u)| f * u).sum();
     let strain = body.energy(&displacement, &displacement) / 2.0 + exterior.energy(&coupled);
@@ -186,7 +196,11 @@ fn solved(
     let jump_oscillation = jump_oscillation(scene, medium, &body, &exterior)?;
     let interface = InterfaceIndicators::new(&exterior, &body, &displacement, &coupled, Form::Schur, &jumps)?;
     let estimate_seconds = clock.elapsed().as_secs_f64();
-    Ok(GridSolved {
+    let (coarse, bases) = coarse.unzip();
+    let around =
+        Around::new(medium, exterior.mesh.clone(), exterior.space.clone(), exterior.operators.length, &coupled);
+    let (is_held, free) = (vec![false; body.grid.dofs()], vec![Held::default(); trace.space.nodes()]);
+    let solved = GridSolved {
         dofs,
         energies: Energies { total: strain - load_work, strain, springs: 0.0, load_work, friction_work: 0.0 },
         boundary_displacement,
@@ -203,12 +217,15 @@ fn solved(
         coarse,
         trace,
         body,
-        around: Some(Around::new(medium, exterior.mesh, exterior.space, exterior.operators.length, &coupled)),
+        around: Some(around),
         interface: Some(interface),
         jump_oscillation,
         dual_data: Mutex::default(),
         quantities: OnceLock::new(),
-    })
+    };
+    let equations = Equations::InMedium(Box::new(InMedium { exterior, coupled, factored }));
+    let factors = Some(Factors { equations, coarse: bases.map(|bases| (bases, free)) });
+    Ok(Unestimated { solved, is_held, factors })
 }
 
 /// The part of the jump of the displacement that the nodes of each boundary element miss, as an energy: both sides give way to
@@ -240,110 +257,4 @@ fn jump_oscillation(
         }
     }
     Ok(energies)
-}
-
-/// The traction of the medium on a fine side.
-pub(super) struct MediumTraction {
-    /// Fine cell and its side.
-    pub side: (usize, usize),
-    /// Fine nodes at the start and the end.
-    pub nodes: [usize; 2],
-    /// ∫ φ·v of both linear functions.
-    pub moments: [[f64; 2]; 2],
-    pub length: f64,
-}
-
-/// The traction of the medium on the fine sides of the interface.
-pub(super) fn medium_tractions(grid: &Grid, around: &Around, fine: &GridTrace) -> Vec<MediumTraction> {
-    let Around { mesh, space, traction, .. } = around;
-    let mut sides = Vec::new();
-    for e in 0..fine.mesh.len() {
-        let ends = fine.mesh.ends(e);
-        let length = fine.mesh.length(e);
-        let mut moments = [[0.0; 2]; 2];
-        let mut covered = 0.0;
-        for f in 0..mesh.len() {
-            let Some([from, to]) = overlap(ends, length, mesh, f) else { continue };
-            covered += to - from;
-            add_moments(&mut moments, ends, [from, to], (mesh, space, traction), f);
-        }
-        // sides of holes have no boundary element on them
-        if covered > 0.5 {
-            let nodes = [e, fine.mesh.next[e]].map(|node| node_at(grid, fine.lattice[node]));
-            sides.push(MediumTraction { side: fine.cell(grid, e), nodes, moments, length });
-        }
-    }
-    sides
-}
-
-/// The part of a side that a boundary element covers, from 0 to 1 along the side.
-fn overlap([a, b]: [[f64; 2]; 2], length: f64, mesh: &Mesh, f: usize) -> Option<[f64; 2]> {
-    let d = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
-    let place = |x: [f64; 2]| {
-        let r = minus(x, a);
-        (dot(r, d) / length, cross(d, r) / length)
-    };
-    let [(from, off), (to, off_too)] = mesh.ends(f).map(place);
-    let (from, to) = (from.max(0.0), to.min(1.0));
-    (off.abs() < 1e-6 && off_too.abs() < 1e-6 && to - from > 1e-9).then_some([from, to])
-}
-
-/// Adds the moments of the traction of element f on the part of a side.
-fn add_moments(
-    moments: &mut [[f64; 2]; 2],
-    [a, b]: [[f64; 2]; 2],
-    [from, to]: [f64; 2],
-    (mesh, space, traction): (&Mesh, &Space, &[f64]),
-    f: usize,
-) {
-    let p = space.degree(f);
-    let rule = steklov_quadrature::gauss_legendre(p / 2 + 2);
-    let side = distance(b, a);
-    let [start, end] = mesh.ends(f);
-    let d = minus(end, start);
-    let mut legendre = vec![0.0; p];
-    for (&t, w) in rule.points.iter().zip(&rule.weights) {
-        let s = from + (to - from) * (1.0 + t) / 2.0;
-        let x = [a[0] + s * (b[0] - a[0]) - start[0], a[1] + s * (b[1] - a[1]) - start[1]];
-        let along = dot(x, d) / dot(d, d);
-        steklov_quadrature::legendre_p(2.0 * along - 1.0, &mut legendre);
-        for i in 0..2 {
-            let value: f64 = (0..p).map(|m| legendre[m] * traction[2 * (space.offset[f] + m) + i]).sum();
-            let weight = w * (to - from) / 2.0 * side * value;
-            moments[0][i] += (1.0 - s) * weight;
-            moments[1][i] += s * weight;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use steklov_bem_operators::{Loop, Polygon};
-
-    use super::*;
-
-    /// v = 1 + c t along an element of length 3, t in [-1, 1]: ∫(1-s)v and ∫sv of halves of it in closed form.
-    #[test]
-    fn moments_of_a_linear_traction_are_exact() {
-        let corners = vec![[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]];
-        let polygon = Polygon::new(Loop::straight(corners, vec!["all".to_owned(); 4]), Vec::new()).unwrap();
-        let mesh = Mesh::uniform(&polygon, 1, 2);
-        let space = Space::new(&mesh);
-        let mut traction = vec![0.0; space.dofs()];
-        let slope = 0.4;
-        let first = space.offset[0];
-        traction[2 * first] = 1.0;
-        traction[2 * (first + 1)] = slope;
-        // v = v0 + (v1 - v0) s on the half: its moments are h (v0/3 + v1/6), h (v0/6 + v1/3)
-        for (a, b) in [(0.0, 0.5), (0.5, 1.0)] {
-            let [v0, v1] = [a, b].map(|s: f64| 1.0 + slope * (2.0 * s - 1.0));
-            let mut moments = [[0.0; 2]; 2];
-            let ends = [[3.0 * a, 0.0], [3.0 * b, 0.0]];
-            add_moments(&mut moments, ends, [0.0, 1.0], (&mesh, &space, &traction), 0);
-            let exact = [1.5 * (v0 / 3.0 + v1 / 6.0), 1.5 * (v0 / 6.0 + v1 / 3.0)];
-            for k in 0..2 {
-                assert!((moments[k][0] - exact[k]).abs() < 1e-14 && moments[k][1] == 0.0, "{moments:?} {exact:?}");
-            }
-        }
-    }
 }

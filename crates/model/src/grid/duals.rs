@@ -29,6 +29,8 @@ use steklov_problem::{Condition, Scene};
 
 use super::frozen_contact::{FrozenContact, FrozenProblem, on_contact, with_frozen};
 use super::functionals::{GridFunctional, GridFunctionals, Number, Weight};
+use super::in_medium::{InMedium, MediumPart};
+use super::loads::Tractions;
 use super::solution::{CoarseSolved, GridSolved};
 use super::solve::Acting;
 use super::solve_coarse::lift;
@@ -55,6 +57,8 @@ pub struct GridQuantity {
     pub fine_grid: f64,
     /// The difference to the solution on the fine grid that coarse cells make; 0 without any.
     pub multiscale: f64,
+    /// The difference that the boundary elements of a medium make; 0 without one.
+    pub medium: f64,
 }
 
 /// What the dual problems of a solution take from it.
@@ -66,17 +70,29 @@ pub(crate) struct DualData {
     pub factors: Factors,
 }
 
-/// The factor of the equations of a grid, and what is held at the nodes of the boundary of the fine one.
+/// The factor of the equations of a grid.
 pub(super) struct Factors {
-    pub elimination: Elimination,
-    pub contact: Option<CondensedContact>,
-    pub held: Vec<Held>,
+    pub equations: Equations,
     /// The bases of coarse cells, and what is held at the nodes of their boundary.
     pub coarse: Option<(Bases, Vec<Held>)>,
 }
 
+/// How a body is held.
+pub(super) enum Equations {
+    Supported(Box<Supported>),
+    InMedium(Box<InMedium>),
+}
+
+/// Supports and contact.
+pub(super) struct Supported {
+    pub elimination: Elimination,
+    pub contact: Option<CondensedContact>,
+    /// What is held at the nodes of the boundary of the fine grid.
+    pub held: Vec<Held>,
+}
+
 impl GridSolved {
-    /// The numbers of the scene with the parts of their errors, in the order of the error bars; none where they are not known: in a medium,
+    /// The numbers of the scene with the parts of their errors, in the order of the error bars; none where they are not known:
     /// of a body that can move as a whole, of bases that do not conform, and once a next step has begun.
     ///
     /// *Cost*: at the first call a solution with the factor for each number, and one of the fine grid by conjugate gradients.
@@ -116,24 +132,23 @@ struct Duals<'a> {
     acting: Acting,
     is_held: Vec<bool>,
     contact: FrozenContact,
+    medium: Option<MediumPart>,
 }
 
 impl<'a> Duals<'a> {
     fn new(scene: &'a Scene, solved: &GridSolved, data: DualData) -> Result<Self, SolveError> {
         let DualData { acting, mut is_held, factors } = data;
-        let sets = factors.contact.as_ref().map(|condensed| &condensed.factors.sets);
+        let (sets, medium) = match &factors.equations {
+            Equations::Supported(own) => (own.contact.as_ref().map(|condensed| &condensed.factors.sets), None),
+            Equations::InMedium(medium) => (None, Some(&**medium)),
+        };
         let contact = FrozenContact::new(scene, solved, sets);
-        let functionals = GridFunctionals::new(scene, solved, &acting.fine, &contact);
+        let functionals = GridFunctionals::new(scene, solved, &acting.fine, (&contact, medium));
         contact.held.keys().for_each(|&unknown| is_held[unknown] = true);
-        let Solutions { solutions, of_ends, energy_of_ends } =
+        let Solutions { solutions, of_ends, energy_of_ends, medium } =
             solutions(&functionals.functionals, (scene, solved), &acting, factors)?;
-        Ok(Self { functionals, solutions, of_ends, energy_of_ends, acting, is_held, contact })
+        Ok(Self { functionals, solutions, of_ends, energy_of_ends, acting, is_held, contact, medium })
     }
-}
-
-/// Whether error bars of numbers are known: without a medium.
-pub(super) fn are_known(scene: &Scene) -> bool {
-    scene.surroundings().is_none()
 }
 
 /// Dual solutions on the fine nodes.
@@ -142,6 +157,7 @@ struct Solutions {
     solutions: Vec<Vec<f64>>,
     of_ends: Vec<Vec<[f64; 2]>>,
     energy_of_ends: f64,
+    medium: Option<MediumPart>,
 }
 
 impl Solutions {
@@ -149,9 +165,17 @@ impl Solutions {
     fn new(
         functionals: &[GridFunctional<'_>],
         (scene, solved): (&Scene, &GridSolved),
-        (elimination, condensed): (&Elimination, Option<&CondensedContact>),
+        fine: &GridTrace,
+        equations: &Equations,
         (loads, held): (&[Vec<f64>], &[Vec<f64>]),
     ) -> Result<Self, SolveError> {
+        let (elimination, condensed) = match equations {
+            Equations::Supported(own) => (&own.elimination, own.contact.as_ref()),
+            Equations::InMedium(medium) => {
+                let (solutions, part) = medium.solve(scene, (&solved.body, fine), functionals, loads)?;
+                return Ok(Self { solutions, medium: Some(part), ..Self::default() });
+            }
+        };
         let (Some(condensed), Some(contact)) = (condensed, &solved.contact) else {
             return Ok(Self { solutions: elimination.fields(loads, held), ..Self::default() });
         };
@@ -165,7 +189,8 @@ impl Solutions {
                 frozen.field(load, held, &w)
             };
             let (solutions, of_ends) = functionals.iter().zip(loads.iter().zip(held)).map(of).unzip();
-            Self { solutions, of_ends, energy_of_ends: OF_NODE * moved.iter().map(largest).sum::<f64>() }
+            let energy_of_ends = OF_NODE * moved.iter().map(largest).sum::<f64>();
+            Self { solutions, of_ends, energy_of_ends, medium: None }
         };
         let may_open = !ends_at_corners_are_known(scene, &contact_rows(solved.trace(), contact));
         Ok(with_frozen(elimination, condensed, (contact.reported(), may_open), all)?)
@@ -180,13 +205,16 @@ fn solutions(
     factors: Factors,
 ) -> Result<Solutions, SolveError> {
     let (body, trace, fine) = (&solved.body, &solved.trace, &acting.fine);
-    let Factors { elimination, contact, held: fine_held, coarse } = factors;
-    let factor = (&elimination, contact.as_ref());
+    let Factors { equations, coarse } = factors;
+    let fine_held = match &equations {
+        Equations::Supported(own) => own.held.clone(),
+        Equations::InMedium(_) => vec![Held::default(); fine.space.nodes()],
+    };
     let values = |space, held: &[Held]| Supports { space, held }.values();
     let (Some((bases, held)), Some(of_mesh)) = (coarse, &solved.coarse) else {
         let loads: Vec<Vec<f64>> = functionals.iter().map(|f| f.load.nodal(body)).collect();
         let held: Vec<Vec<f64>> = functionals.iter().map(|f| values(&fine.space, &f.held(fine, &fine_held))).collect();
-        return Solutions::new(functionals, (scene, solved), factor, (&loads, &held));
+        return Solutions::new(functionals, (scene, solved), fine, &equations, (&loads, &held));
     };
     let problem = Multiscale::with_bases(body, of_mesh.mesh.clone(), bases);
     let (mut loads, mut of_held, mut extras) = (Vec::new(), Vec::new(), Vec::new());
@@ -198,7 +226,7 @@ fn solutions(
         of_held.push(values(&trace.space, &own));
         extras.push(extra);
     }
-    let on_vertices = Solutions::new(functionals, (scene, solved), factor, (&loads, &of_held))?;
+    let on_vertices = Solutions::new(functionals, (scene, solved), fine, &equations, (&loads, &of_held))?;
     let fields = on_vertices.solutions.into_iter().zip(&extras).zip(functionals);
     let fine = |((coarse, extra), functional): ((Vec<f64>, &Extra), &GridFunctional<'_>)| {
         Ok::<_, SolveError>(problem.downscale(&coarse, &functional.load, extra, &mut |_| true)?)
@@ -211,23 +239,18 @@ impl Duals<'_> {
     /// The numbers with their differences, and J.
     fn quantities(&self, scene: &Scene, solved: &GridSolved) -> (Vec<GridQuantity>, Option<GridQuantity>) {
         let (mut u, mut of_coarse) = (Cow::Borrowed(&solved.displacement), Vec::new());
-        let mut energy = GridQuantity { value: solved.energies.total, fine_grid: 0.0, multiscale: 0.0 };
+        let mut energy = GridQuantity { value: solved.energies.total, fine_grid: 0.0, multiscale: 0.0, medium: 0.0 };
         if let Some(coarse) = &solved.coarse {
-            let (load, forces) = (self.acting.loads.nodal(&solved.body), solved.body.forces(&solved.displacement));
-            let mut residual: Vec<f64> = load.iter().zip(&forces).map(|(f, ku)| f - ku).collect();
-            let add_shear = |residual: &mut Vec<f64>, follows: bool| {
-                for own in self.contact.shear.iter().filter(|own| own.follows == follows) {
-                    (0..2).for_each(|k| residual[2 * own.node + k] += own.force[k]);
-                }
-            };
-            add_shear(&mut residual, false);
-            let mut with_shear = residual.clone();
-            add_shear(&mut with_shear, true);
-            let c = self.correction(&solved.body, &with_shear);
+            let (residual, with_shear) = self.residuals(solved);
+            let resist =
+                self.medium.as_ref().map_or(Vec::new(), |medium| medium.resistance(&solved.body, &coarse.mesh));
+            let c = self.correction(&solved.body, &with_shear, &resist);
             of_coarse = self.of_coarse_cells(solved, coarse, &residual, &c);
             // J(u_H) - J(u_h) = r·c - ½ a(c, c)
             let work: f64 = with_shear.iter().zip(&c).map(|(r, c)| r * c).sum();
-            energy.multiscale = (work - solved.body.energy(&c, &c) / 2.0).abs() + self.energy_of_ends;
+            let of_medium: f64 = resist.iter().zip(&c).map(|(d, c)| d * c * c).sum();
+            let strain = solved.body.energy(&c, &c) + of_medium;
+            energy.multiscale = (work - strain / 2.0).abs() + self.energy_of_ends;
             u.to_mut().iter_mut().zip(&c).for_each(|(u, c)| *u += c);
         }
         let (of_cells, of_energy) = self.of_fine_cells(scene, &solved.body, &u);
@@ -235,12 +258,17 @@ impl Duals<'_> {
         energy.fine_grid += if solved.coarse.is_none() { self.energy_of_ends } else { 0.0 };
         let count = self.solutions.len();
         let of_loads = self.of_loads(&solved.body);
+        let of_elements = self.medium.as_ref().map_or(Vec::new(), MediumPart::of_elements);
+        if let Some(medium) = &self.medium {
+            energy.medium = difference(&[(0, 1.0)], &medium.of_energy, 1);
+        }
         let number = |Number { value, sum, off }: &Number| {
             let mut own = GridQuantity {
                 value: *value,
                 fine_grid: difference(sum, &of_cells, count).max(*off)
                     + sum.iter().map(|&(k, weight)| weight.abs() * of_loads[k]).sum::<f64>(),
                 multiscale: difference(sum, &of_coarse, count),
+                medium: difference(sum, &of_elements, count),
             };
             // ends lie between the nodes of contact
             let part = if solved.coarse.is_some() { &mut own.multiscale } else { &mut own.fine_grid };
@@ -250,6 +278,24 @@ impl Duals<'_> {
         (self.functionals.numbers.iter().map(number).collect(), Some(energy))
     }
 
+    /// f - K u_H with the tractions of the medium and the shear that is given, and with that which follows the pressure.
+    fn residuals(&self, solved: &GridSolved) -> (Vec<f64>, Vec<f64>) {
+        let (load, forces) = (self.acting.loads.nodal(&solved.body), solved.body.forces(&solved.displacement));
+        let mut residual: Vec<f64> = load.iter().zip(&forces).map(|(f, ku)| f - ku).collect();
+        if let Some(medium) = &self.medium {
+            medium.sides.add(&medium.moments, &mut residual);
+        }
+        let add_shear = |residual: &mut Vec<f64>, follows: bool| {
+            for own in self.contact.shear.iter().filter(|own| own.follows == follows) {
+                (0..2).for_each(|k| residual[2 * own.node + k] += own.force[k]);
+            }
+        };
+        add_shear(&mut residual, false);
+        let mut with_shear = residual.clone();
+        add_shear(&mut with_shear, true);
+        (residual, with_shear)
+    }
+
     /// The change of a sum of functionals where the ends of contact and stick move, over all of them.
     fn of_moved_ends(&self, sum: &[(usize, f64)]) -> f64 {
         let ends = self.of_ends.first().map_or(0, Vec::len);
@@ -257,13 +303,13 @@ impl Duals<'_> {
         OF_NODE * (0..ends).map(|end| of(end, 0).abs().max(of(end, 1).abs())).sum::<f64>()
     }
 
-    /// u_h - u_H from the residual f - K u_H, with the gap where contact holds u_h.
-    fn correction(&self, body: &HeterogeneousBody, residual: &[f64]) -> Vec<f64> {
+    /// u_h - u_H from the residual f - K u_H, with the gap where contact holds u_h, and the resistance of a medium.
+    fn correction(&self, body: &HeterogeneousBody, residual: &[f64], resist: &[f64]) -> Vec<f64> {
         let mut c = vec![0.0; residual.len()];
         self.contact.held.iter().for_each(|(&unknown, &lacks)| c[unknown] = lacks);
         let of_gap = if self.contact.held.is_empty() { c.clone() } else { body.forces(&c) };
         let rest: Vec<f64> = residual.iter().zip(of_gap).map(|(r, f)| r - f).collect();
-        let free = fine_correction(body, &rest, &self.is_held, ENOUGH);
+        let free = fine_correction(body, &rest, &self.is_held, resist, ENOUGH);
         c.iter_mut().zip(free).for_each(|(c, free)| *c += free);
         c
     }
@@ -286,12 +332,18 @@ impl Duals<'_> {
         let mut missed = missed(scene, body, fine);
         missed.extend(&contact.missed);
         let held = |cell: usize, side: usize| missed.get(&(cell, side)).copied().unwrap_or_default();
+        let of_medium: Tractions = match &self.medium {
+            Some(medium) => medium.sides.tractions(body, u, &medium.moments, |(cell, side)| given(cell, side)),
+            None => Tractions::new(),
+        };
+        let given =
+            |cell: usize, side: usize| of_medium.get(&(cell, side)).map_or_else(|| given(cell, side), |own| *own);
         let primal = BubbleResidual { body_force: &loads.body, u, traction: &given, held: &held };
         let (nothing, functionals) = (|_: usize, _: usize| [0.0; 2], &self.functionals.functionals);
         let of_side = |values: HashMap<(usize, usize), [f64; 2]>| {
             move |cell: usize, side: usize| values.get(&(cell, side)).copied().unwrap_or_default()
         };
-        let tractions: Vec<_> = functionals.iter().map(|f| of_side(f.traction.clone())).collect();
+        let tractions: Vec<_> = (0..functionals.len()).map(|k| of_side(self.tractions_of_dual(body, k))).collect();
         let of_weight = |f: &GridFunctional<'_>| match &f.of_forces {
             Some((own, w)) => beyond_ends(body, fine, |side| (side == *own).then_some(w)),
             None => HashMap::new(),
@@ -300,12 +352,35 @@ impl Duals<'_> {
         let duals: Vec<BubbleDual<'_>> = (functionals.iter().zip(&self.solutions).zip(tractions.iter().zip(&weights)))
             .map(|((functional, z), (traction, held))| BubbleDual {
                 z,
-                traction: if functional.traction.is_empty() { &nothing } else { traction },
+                traction: if functional.traction.is_empty() && self.medium.is_none() { &nothing } else { traction },
                 held: if functional.of_forces.is_none() { &nothing } else { held },
                 of_cell: functional.of_cell,
             })
             .collect();
         (bubble_weighted_residuals(body, &primal, &duals), bubble_energies(body, &primal))
+    }
+
+    /// The tractions of a dual solution on the sides where there are any: those of its load, and of the medium.
+    fn tractions_of_dual(&self, body: &HeterogeneousBody, k: usize) -> HashMap<(usize, usize), [f64; 2]> {
+        let mut tractions = self.functionals.functionals[k].traction.clone();
+        if let Some(medium) = &self.medium {
+            let given = |side: (usize, usize)| tractions.get(&side).copied().unwrap_or_default().map(Some);
+            let own = medium.sides.tractions(body, &self.solutions[k], &medium.duals[k].moments, given);
+            tractions.extend(own.into_iter().map(|(side, t)| (side, t.map(Option::unwrap_or_default))));
+        }
+        tractions
+    }
+
+    /// The load of a functional at the fine nodes, with the tractions of the medium in its dual problem.
+    fn load_of_dual(&self, body: &HeterogeneousBody, k: usize) -> HashMap<usize, [f64; 2]> {
+        let mut load = self.functionals.functionals[k].nodal(body);
+        if let Some(medium) = &self.medium {
+            for (node, moment) in medium.sides.forces(&medium.duals[k].moments) {
+                let sum = load.entry(node).or_default();
+                (0..2).for_each(|i| sum[i] += moment[i]);
+            }
+        }
+        load
     }
 
     /// J(u_h) - J(u_H) of the functionals in each coarse cell, one cell after the other: -ρ_z·c at its nodes with c = u_h - u_H; and last what
@@ -314,7 +389,7 @@ impl Duals<'_> {
         let body = &solved.body;
         let functionals = || self.functionals.functionals.iter().zip(&self.solutions);
         let loads: Vec<HashMap<usize, [f64; 2]>> =
-            self.functionals.functionals.iter().map(|functional| functional.nodal(body)).collect();
+            (0..self.solutions.len()).map(|k| self.load_of_dual(body, k)).collect();
         let mut all = Vec::new();
         for nodes in residual_nodes(body, coarse) {
             let mut etas = vec![0.0; self.solutions.len()];
@@ -330,6 +405,10 @@ impl Duals<'_> {
                 }
             }
             all.append(&mut etas);
+        }
+        // the medium has a part in the balance
+        if self.medium.is_some() {
+            return all;
         }
         for (functional, z) in functionals() {
             let of_cell = |(&cell, load): (&usize, &[f64; 8])| -> f64 {

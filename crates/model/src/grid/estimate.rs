@@ -9,14 +9,13 @@ use steklov_msfem::{
 };
 use steklov_problem::{Indicator, Scene};
 
-use super::coupled::{MediumTraction, medium_tractions};
 use super::error_parts::{FAILING, GridEstimate, of_elements};
+use super::interface_sides::InterfaceSides;
 use super::loads::Tractions;
 use super::oscillation::load_oscillation;
 use super::solution::GridSolved;
 use super::trace::{GridTrace, node_at};
 use crate::error::SolveError;
-use crate::solve::medium::Around;
 
 /// Largest ratio of the softer of two opposite cells at a node to the stiffer one of the other two.
 fn contrast_crossed(body: &HeterogeneousBody) -> f64 {
@@ -68,17 +67,20 @@ pub(super) fn estimate(
     let mut of_residuals = tractions.clone();
     if let Some(around) = &solved.around {
         let fine = GridTrace::new(scene, &body.grid, |_| true)?;
-        let sides = medium_tractions(&body.grid, around, &fine);
-        for side in &sides {
-            for (node, moment) in side.nodes.into_iter().zip(side.moments) {
-                (0..2).for_each(|i| load[2 * node + i] += moment[i]);
+        let sides = InterfaceSides::new(&body.grid, &fine, &around.mesh, around.material.young);
+        let moments = sides.moments(&around.mesh, &around.space, &around.traction);
+        sides.add(&moments, &mut load);
+        let jump = |side: (usize, usize)| tractions.get(&side).copied().unwrap_or([Some(0.0); 2]);
+        let of_sides = sides.tractions(body, u, &moments, jump);
+        // the residuals there are those of the boundary elements
+        of_residuals.extend(of_sides.keys().map(|side| (*side, [None; 2])));
+        tractions.extend(of_sides);
+        let forces = body.forces(u);
+        for (node, share) in sides.shares(body) {
+            for dof in [2 * node, 2 * node + 1] {
+                load[dof] = forces[dof] + share * (load[dof] - forces[dof]);
             }
-            let given = tractions.entry(side.side).or_insert([Some(0.0); 2]);
-            *given = beside_medium(solved, around, side, *given);
-            // the residuals there are those of the boundary elements
-            of_residuals.insert(side.side, [None; 2]);
         }
-        share_with_medium(solved, around, &sides, &mut load);
     }
     let (residual, in_cells) =
         if scene.method.has_residuals() { residuals(scene, solved, loads, &of_residuals) } else { (None, None) };
@@ -154,53 +156,6 @@ fn residuals(
     }
 }
 
-/// The residual of the traction balance acts on body and medium alike: of the energy r²/k₁ that it would have in a cell alone,
-/// the part k₁/(k₁ + k₂) remains, with k₁ and k₂ in the ratio of the moduli.
-fn share(solved: &GridSolved, around: &Around, cell: usize) -> f64 {
-    share_of_moduli(solved.body.young[cell], around.material.young)
-}
-
-fn share_of_moduli(own: f64, other: f64) -> f64 {
-    (own / (own + other)).sqrt()
-}
-
-/// The traction on a side of the interface, the jump `given` and that of the medium, drawn to that of the cell.
-fn beside_medium(
-    solved: &GridSolved,
-    around: &Around,
-    side: &MediumTraction,
-    given: [Option<f64>; 2],
-) -> [Option<f64>; 2] {
-    let (body, (cell, number)) = (&solved.body, side.side);
-    let middle = [[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]][number];
-    let u = body.cell_values(&solved.displacement, cell);
-    let [xx, yy, xy] = body.stress(cell, &u, middle);
-    let own = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
-    let share = share(solved, around, cell);
-    [0, 1].map(|i| {
-        let mean = (side.moments[0][i] + side.moments[1][i]) / side.length;
-        given[i].map(|jump| own[i] + share * (jump + mean - own[i]))
-    })
-}
-
-/// The same for the nodal forces on the interface.
-fn share_with_medium(solved: &GridSolved, around: &Around, sides: &[MediumTraction], load: &mut [f64]) {
-    let forces = solved.body.forces(&solved.displacement);
-    // the mean over both sides at a node
-    let mut shares: HashMap<usize, (f64, f64)> = HashMap::new();
-    for side in sides {
-        for node in side.nodes {
-            let (sum, count) = shares.entry(node).or_default();
-            (*sum, *count) = (*sum + share(solved, around, side.side.0), *count + 1.0);
-        }
-    }
-    for (node, (sum, count)) in shares {
-        for dof in [2 * node, 2 * node + 1] {
-            load[dof] = forces[dof] + sum / count * (load[dof] - forces[dof]);
-        }
-    }
-}
-
 /// A fine side in contact.
 pub(super) struct ContactSide {
     /// The contact element, and where the side begins and ends on it in [-1, 1].
@@ -270,18 +225,4 @@ pub(super) fn contact_sides(solved: &GridSolved) -> Vec<ContactSide> {
         }
     }
     pressed
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two springs k₁ and k₂ that a force r pulls apart from their balance have the energy r²/(k₁ + k₂), those of both shares together.
-    #[test]
-    fn the_share_of_a_cell_leaves_the_energy_of_both_springs() {
-        for [own, other, r] in [[1.0, 1.0, 3.0], [200.0, 2.0, 0.1], [2.0, 200.0, 0.1]] {
-            let energy = (r * share_of_moduli(own, other)).powi(2) / own;
-            assert!((energy * (own + other) / (r * r) - 1.0).abs() < 1e-14, "{own} {other}: {energy}");
-        }
-    }
 }

@@ -2,18 +2,21 @@
 
 use std::collections::HashMap;
 
-use steklov_bem_operators::Location;
+use steklov_bem_operators::{Functional, Location};
+use steklov_coupling::{MediumField, Radiation};
 use steklov_elastic::principal;
 use steklov_msfem::{HeterogeneousBody, Loads, bubble_values};
 use steklov_problem::{Condition, QuantityKind, Scene};
 
 use super::frozen_contact::{FrozenContact, conditions};
+use super::in_medium::InMedium;
 use super::solution::GridSolved;
 use super::solve_coarse::weights_at;
 use super::trace::GridTrace;
 use crate::answer::probes::slopes;
 use crate::data::supports::Held;
 use crate::quantities::{self, peaks};
+use crate::solve::medium::Around;
 
 /// The part of the second difference of pressures by which their peak may be off between nodes: 1/8 for its place, 1/12 for the mean.
 const OF_BEND: f64 = 0.25;
@@ -28,6 +31,8 @@ pub(super) struct GridFunctional<'a> {
     pub of_cell: Option<(usize, [f64; 10])>,
     /// The same as a mean traction on sides of cells.
     pub traction: HashMap<(usize, usize), [f64; 2]>,
+    /// The same against the functions of the medium, with the opposite sign.
+    pub outside: Option<Functional>,
     /// Side whose forces do work on w, and w.
     pub of_forces: Option<(usize, Weight<'a>)>,
 }
@@ -37,7 +42,7 @@ pub(super) type Weight<'a> = Box<dyn Fn([f64; 2]) -> [f64; 2] + Sync + 'a>;
 
 impl<'a> GridFunctional<'a> {
     fn of_load(value: f64, load: Loads) -> Self {
-        Self { value, load, of_cell: None, traction: HashMap::new(), of_forces: None }
+        Self { value, load, of_cell: None, traction: HashMap::new(), outside: None, of_forces: None }
     }
 
     fn of_forces(value: f64, side: usize, w: Weight<'a>) -> Self {
@@ -88,15 +93,26 @@ impl Number {
 
 impl<'a> GridFunctionals<'a> {
     /// Those of a solution, in the order of [`crate::bars::Bars`]: points, forces of supports, named numbers.
-    pub fn new(scene: &'a Scene, solved: &GridSolved, fine: &GridTrace, contact: &FrozenContact) -> Self {
+    pub fn new(
+        scene: &'a Scene,
+        solved: &GridSolved,
+        fine: &GridTrace,
+        (contact, medium): (&FrozenContact, Option<&InMedium>),
+    ) -> Self {
         let mut this = Self { functionals: Vec::new(), numbers: Vec::new() };
+        let outside = medium.map(InMedium::raised_field);
+        let mean = medium.filter(|_| is_bounded(solved)).map(|_| this.add_mean_of_interface(scene, solved, fine));
         for &x in &scene.probe {
             let first = this.numbers.len();
-            this.add_point(&solved.body, &solved.displacement, x);
+            match (solved.body.grid.locate(x), &solved.around, &outside) {
+                (None, Some(around), Some(field)) => this.add_point_of_medium(around, field, x),
+                _ => this.add_point(&solved.body, &solved.displacement, x),
+            }
             let lacking = solved.body.grid.locate(x).map_or([0.0; 2], |(cell, local)| contact.lacking_at(cell, local));
             for ((number, given), lacking) in this.numbers[first..].iter_mut().zip(given_at(scene, x)).zip(lacking) {
                 number.off = given.map_or(0.0, |given| (number.value - given).abs()).max(lacking);
             }
+            this.without_mean(first, mean);
         }
         for (force, side) in quantities::forces(scene, &solved.reactions) {
             let touches = scene.contact(side).is_some();
@@ -114,7 +130,12 @@ impl<'a> GridFunctionals<'a> {
             let value = values.next().unwrap_or(f64::NAN);
             match quantity.kind {
                 QuantityKind::MeanDisplacement(side) => {
-                    this.add_mean(solved, fine, side, [value, values.next().unwrap_or(f64::NAN)]);
+                    let first = this.numbers.len();
+                    let means = this.means(solved, fine, |e| fine.mesh.side[e] == side);
+                    for (value, functional) in [value, values.next().unwrap_or(f64::NAN)].into_iter().zip(means) {
+                        this.add(GridFunctional { value, ..functional });
+                    }
+                    this.without_mean(first, mean);
                 }
                 _ => match quantity.kind.weighted_side() {
                     Some((side, w)) => this.add(GridFunctional::of_forces(value, side, Box::new(w))),
@@ -170,13 +191,13 @@ impl<'a> GridFunctionals<'a> {
         self.functionals.push(functional);
     }
 
-    /// The mean displacement of a side.
-    fn add_mean(&mut self, solved: &GridSolved, fine: &GridTrace, side: usize, value: [f64; 2]) {
+    /// The mean displacement of sides of fine cells.
+    fn means(&self, solved: &GridSolved, fine: &GridTrace, is_own: impl Fn(usize) -> bool) -> [GridFunctional<'a>; 2] {
         let mesh = &fine.mesh;
-        let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
+        let elements: Vec<usize> = (0..mesh.len()).filter(|&e| is_own(e)).collect();
         let length: f64 = elements.iter().map(|&e| mesh.length(e)).sum();
-        for k in 0..2 {
-            let mut functional = GridFunctional::of_load(value[k], Loads::default());
+        [0, 1].map(|k| {
+            let mut functional = GridFunctional::of_load(f64::NAN, Loads::default());
             let mut traction = [0.0; 2];
             traction[k] = -1.0 / length;
             for &e in &elements {
@@ -184,7 +205,24 @@ impl<'a> GridFunctionals<'a> {
                 functional.load.add_side(cell, number, [traction.map(|t| t * mesh.length(e) / 2.0); 2]);
                 functional.traction.insert((cell, number), traction);
             }
-            self.add(functional);
+            functional
+        })
+    }
+
+    /// Adds the mean displacement of the interface to the functionals: the numbers of the first component and of the second.
+    fn add_mean_of_interface(&mut self, scene: &Scene, solved: &GridSolved, fine: &GridTrace) -> usize {
+        let edges = scene.problem.outline.edges();
+        let means = self.means(solved, fine, |e| edges[fine.mesh.edge[e]].loop_index == 0);
+        self.functionals.extend(means);
+        self.functionals.len() - 2
+    }
+
+    /// Where the displacement is bounded at infinity, those from the number `first` on, which are two components, are without the mean of the
+    /// interface.
+    fn without_mean(&mut self, first: usize, mean: Option<usize>) {
+        let Some(mean) = mean else { return };
+        for k in 0..2 {
+            self.numbers[first + k].sum.push((mean + k, -1.0));
         }
     }
 
@@ -209,15 +247,38 @@ impl<'a> GridFunctionals<'a> {
             let of_cell = Some((cell, of_bubbles.map(|values| -values[k])));
             self.add(GridFunctional { of_cell, ..GridFunctional::of_load(values[k], load) });
         }
+        let elasticity = body.elasticity_of(cell);
+        self.add_invariants(first, values, |stress| elasticity.von_mises(stress));
+    }
+
+    /// The same at a point of the medium around the body.
+    fn add_point_of_medium(&mut self, around: &Around, field: &MediumField, x: [f64; 2]) {
+        let first = self.functionals.len();
+        let ([ux, uy], [xx, yy, xy]) = around.at(x);
+        let values = [ux, uy, xx, yy, xy];
+        for (value, functional) in values.into_iter().zip(field.functionals_at(x)) {
+            let of_body = GridFunctional::of_load(value, Loads::default());
+            self.add(GridFunctional { outside: Some(functional), ..of_body });
+        }
+        self.add_invariants(first, values, |stress| around.material.von_mises(stress));
+    }
+
+    /// The invariants of a stress whose components are functionals behind the first two of a point.
+    fn add_invariants(&mut self, first: usize, values: [f64; 5], von_mises: impl Fn([f64; 3]) -> f64) {
         let [_, _, stress @ ..] = values;
         let invariants = |stress: [f64; 3]| {
             let [larger, smaller] = principal(stress);
-            [body.elasticity_of(cell).von_mises(stress), larger, smaller]
+            [von_mises(stress), larger, smaller]
         };
         for (invariant, slopes) in invariants(stress).into_iter().zip(slopes(stress, invariants)) {
             self.numbers.push(Number::new(invariant, (0..3).map(|k| (first + 2 + k, slopes[k])).collect()));
         }
     }
+}
+
+/// Whether the solution is one that is bounded at infinity, whose mean on the interface is 0.
+fn is_bounded(solved: &GridSolved) -> bool {
+    solved.around.as_ref().is_some_and(|around| around.radiation == Radiation::Bounded)
 }
 
 /// The displacements that a support gives a point.

@@ -22,6 +22,8 @@ mod error_parts;
 mod estimate;
 mod frozen_contact;
 mod functionals;
+mod in_medium;
+mod interface_sides;
 mod layout;
 mod loads;
 mod oscillation;

@@ -5,7 +5,6 @@ use steklov_problem::{Random, Refine, Scene, Spot};
 use steklov_stochastic::{Variable, sample};
 
 use super::answer;
-use super::duals::are_known;
 use super::error_parts::GridEstimate;
 use super::layout::GridLayout;
 use super::refine::next_layout;
@@ -139,9 +138,6 @@ impl Model for OnGrid {
 
 /// The error bars of a few outcomes in the mean, where all of them have some.
 fn bars_over_outcomes(scene: &Scene, random: &Random, layout: &GridLayout, solved: usize) -> Option<Bars> {
-    if !are_known(scene) {
-        return None;
-    }
     let variables: Vec<Variable> = random.germs.iter().map(|germ| germ.variable.clone()).collect();
     let of = |i: u64| {
         let outcome = scene.outcome(&sample(&variables, SEED, i)).ok()?;

@@ -9,7 +9,7 @@ use steklov_problem::Scene;
 
 use super::cells::body;
 use super::coupled::solve_coupled;
-use super::duals::{DualData, Factors, are_known};
+use super::duals::{DualData, Equations, Factors, Supported};
 use super::estimate::estimate;
 use super::layout::GridLayout;
 use super::loads::{CellLoads, Tractions, check_gaps, loads};
@@ -43,7 +43,6 @@ pub fn solve_grid(
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.9))?;
     solved.estimate = estimate(scene, &solved, &acting.loads, acting.tractions.clone(), &is_held)?;
-    let factors = factors.filter(|_| are_known(scene));
     solved.dual_data = Mutex::new(factors.map(|factors| DualData { acting, is_held, factors }));
     if solved.estimate.as_ref().is_some_and(|e| !e.error.is_finite()) {
         return Err(SolveError::NotFinite { energy: solved.energies.total });
@@ -124,7 +123,7 @@ pub(super) struct Unestimated {
     pub solved: GridSolved,
     /// Which fine unknowns are held.
     pub is_held: Vec<bool>,
-    /// For the dual problems of a body without a medium.
+    /// For the dual problems.
     pub factors: Option<Factors>,
 }
 
@@ -137,11 +136,7 @@ fn solve_unestimated(
 ) -> Result<Unestimated, SolveError> {
     let Acting { fine, loads, on_fine, .. } = acting;
     let unestimated = match (scene.surroundings(), &layout.coarse, on_fine) {
-        (Some(medium), ..) => {
-            let is_held = vec![false; body.grid.dofs()];
-            let solved = solve_coupled(scene, medium, body, fine.clone(), loads, layout, observe)?;
-            Unestimated { solved, is_held, factors: None }
-        }
+        (Some(medium), ..) => solve_coupled(scene, medium, body, fine.clone(), loads, layout, observe)?,
         (None, Some(cells), _) => solve_coarse(scene, body, fine, loads, cells.clone(), observe)?,
         (None, None, Some(on_fine)) => solve_fine(scene, body, fine.clone(), loads, on_fine, observe)?,
         (None, None, None) => unreachable!("what acts on a fine grid alone has its supports"),
@@ -230,7 +225,8 @@ fn solve_fine(
         quantities: OnceLock::new(),
     };
     let (elimination, contact) = (answer.elimination, answer.condensed);
-    let factors = Some(Factors { elimination, contact, held: held.clone(), coarse: None });
+    let equations = Equations::Supported(Box::new(Supported { elimination, contact, held: held.clone() }));
+    let factors = Some(Factors { equations, coarse: None });
     Ok(Unestimated { solved, is_held, factors })
 }
 

@@ -9,7 +9,7 @@ use steklov_msfem::{Basis, CoarseCell, CoarseMesh, Extra, Grid, HeterogeneousBod
 use steklov_problem::{QuantityKind, Scene};
 
 use super::cells::basis;
-use super::duals::Factors;
+use super::duals::{Equations, Factors, Supported};
 use super::solution::{CoarseSolved, GridSolved};
 use super::solve::{Unestimated, at_nodes, energies, held_unknowns, moment, on_boundary};
 use super::system::{System, without_motions};
@@ -97,7 +97,8 @@ pub(super) fn solve_coarse(
         quantities: OnceLock::new(),
     };
     let (elimination, contact) = (answer.elimination, answer.condensed);
-    let factors = Some(Factors { elimination, contact, held: fine_held, coarse: Some((bases, held)) });
+    let equations = Equations::Supported(Box::new(Supported { elimination, contact, held: fine_held }));
+    let factors = Some(Factors { equations, coarse: Some((bases, held)) });
     Ok(Unestimated { solved, is_held, factors })
 }
 

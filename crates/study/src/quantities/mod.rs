@@ -72,16 +72,12 @@ pub(crate) fn settings(scene: &Scene) -> Vec<Setting> {
 /// Checks that a scene can be studied.
 ///
 /// # Errors
-/// A scene with random input, on a grid in a medium, or of one mesh of boundary elements: such numbers have no error bars,
-/// or no steps.
+/// A scene with random input, or of one mesh of boundary elements: such numbers have no error bars, or no steps.
 pub fn check(scene: &Scene) -> Result<(), DataError> {
     let refuse = |key: &str, why: &str, help: &'static str| {
         let message = format!("the study is about error bars at the steps of a run, and {why}");
         Err(DataError::at(DataErrorKind::Unsupported, &[vec![key]], message, help))
     };
-    if scene.is_on_grid() && scene.surroundings().is_some() {
-        return refuse("grid", "those on a grid in a medium are not known", "leave the grid out");
-    }
     if scene.random.is_some() {
         return refuse("random", "the scene has random input", "study --what stochastic, or leave [random] out");
     }

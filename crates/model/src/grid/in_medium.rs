@@ -1,0 +1,118 @@
+//! The dual problems of a grid in a medium: body and medium answer the load of a number together.
+//!
+//! ```text
+//! number in the body        (A_c + Πᵀ S Π) z = -j,             traction of the medium  V⁻¹ (K - ½M) z
+//! number of the medium      (A_c + Πᵀ S Π) z = -Πᵀ (j_ξ + (K - ½M)ᵀ V⁻¹ j_φ),        V⁻¹ ((K - ½M) z + j_φ)
+//! ```
+//! with j_ξ and j_φ the values of the representation formula at a point.
+
+use std::f64::consts::PI;
+
+use steklov_bem_operators::Space;
+use steklov_coupling::{Coupled, Factored, Medium, MediumField, MediumLoad, MediumResiduals, Response};
+use steklov_msfem::{CoarseMesh, HeterogeneousBody};
+use steklov_problem::Scene;
+
+use super::coupled::on_interface;
+use super::functionals::GridFunctional;
+use super::interface_sides::{InterfaceSides, Moments};
+use super::trace::GridTrace;
+use crate::error::SolveError;
+
+/// A medium around a grid with the factors of both.
+pub(super) struct InMedium {
+    pub exterior: Medium,
+    pub coupled: Coupled,
+    pub factored: Factored,
+}
+
+/// The medium's part in a dual problem.
+pub(super) struct MediumDual {
+    /// η_e of the boundary elements.
+    pub etas: Vec<f64>,
+    /// The moments of its traction on the sides of the interface.
+    pub moments: Vec<Moments>,
+}
+
+/// The medium's part in a solution and its dual problems.
+pub(super) struct MediumPart {
+    pub sides: InterfaceSides,
+    /// The moments of the traction of the solution.
+    pub moments: Vec<Moments>,
+    pub duals: Vec<MediumDual>,
+    plane_modulus: f64,
+    /// How much J changes by the residuals of the medium, element by element.
+    pub of_energy: Vec<f64>,
+}
+
+impl InMedium {
+    /// The fields of the spaces of one more degree, for [`MediumField::functionals_at`].
+    pub fn raised_field(&self) -> MediumField {
+        let Medium { mesh, material, operators, .. } = &self.exterior;
+        let raised = mesh.raised(&vec![true; mesh.len()]);
+        let space = Space::new(&raised);
+        let zero = vec![0.0; space.dofs()];
+        MediumField::new(&raised, &space, material, operators.length, (&zero, &zero, [0.0; 2]))
+    }
+
+    /// The unknowns of the body of all dual problems from their loads there, and the medium's part.
+    ///
+    /// # Errors
+    /// Those of the spaces of one more degree.
+    pub fn solve(
+        &self,
+        scene: &Scene,
+        (body, fine): (&HeterogeneousBody, &GridTrace),
+        functionals: &[GridFunctional<'_>],
+        loads: &[Vec<f64>],
+    ) -> Result<(Vec<Vec<f64>>, MediumPart), SolveError> {
+        let Self { exterior, coupled, factored } = self;
+        let Medium { mesh, space, material, .. } = exterior;
+        let jump = |x: [f64; 2]| {
+            let (edge, s) = on_interface(scene, x);
+            scene.displacement_jump(edge, s)
+        };
+        let outside = functionals.iter().any(|functional| functional.outside.is_some());
+        let residuals = MediumResiduals::new(exterior, factored.traction_map(), coupled, &jump, outside)?;
+        let sides = InterfaceSides::new(&body.grid, fine, mesh, material.young);
+        let (mut solutions, mut duals) = (Vec::new(), Vec::new());
+        for (functional, load) in functionals.iter().zip(loads) {
+            let values = functional.outside.as_ref().map(|outside| outside.enriched(space));
+            let own = values.as_ref().map(|values| residuals.load(factored.traction_map(), values));
+            let forces = own.as_ref().map_or(vec![0.0; space.dofs()], MediumLoad::opposite);
+            let Response { displacement, trace, mut traction } =
+                factored.solve(load, &forces).ok_or(SolveError::NotFinite { energy: f64::NAN })?;
+            if let Some([_, of_traction]) = &values {
+                let more = factored.inverse_single_layer(&of_traction.base);
+                traction.iter_mut().zip(more).for_each(|(t, more)| *t += more);
+            }
+            let etas = residuals.weighted(&trace, own.as_ref());
+            duals.push(MediumDual { etas, moments: sides.moments(mesh, space, &traction) });
+            solutions.push(displacement);
+        }
+        let moments = sides.moments(mesh, space, &coupled.traction);
+        let of_energy = residuals.of_energy(coupled);
+        Ok((solutions, MediumPart { sides, moments, duals, plane_modulus: material.plane_modulus(), of_energy }))
+    }
+}
+
+impl MediumPart {
+    /// η_e of all numbers, those of an element one after the other.
+    pub fn of_elements(&self) -> Vec<f64> {
+        (0..self.of_energy.len()).flat_map(|e| self.duals.iter().map(move |dual| dual.etas[e])).collect()
+    }
+
+    /// How much the medium resists the displacement of a fine node between two coarse vertices, for each fine unknown: a half plane resists
+    /// sin(πx/H) by πE'/(2H), here times the length that belongs to the node.
+    pub fn resistance(&self, body: &HeterogeneousBody, mesh: &CoarseMesh) -> Vec<f64> {
+        let mut resistance = vec![0.0; body.grid.dofs()];
+        let largest = mesh.cells.iter().flat_map(|cell| cell.size).fold(1, usize::max);
+        for side in &self.sides.sides {
+            for node in side.nodes {
+                let own = PI * self.plane_modulus / (4.0 * largest as f64);
+                (0..2).for_each(|i| resistance[2 * node + i] += own);
+            }
+        }
+        resistance
+    }
+}
