@@ -117,3 +117,47 @@ fn the_multiscale_part_in_a_medium_is_that_of_the_fine_grid() {
     assert!(found.len() > 200 && half >= 0.95 && least >= 0.1, "{half} {least}");
     assert!(narrow >= 0.6 && ten >= 0.8, "{narrow} {ten}");
 }
+
+/// The square of the other tests under a remote stress, with these lines of `[exterior]` and `[method]`.
+fn inclusion(loads: &str, points: &str, cells: usize, method: &str) -> Summary {
+    solved(&format!(
+        "[body]\ncorners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]\n\
+         sides = [\"lower\", \"right\", \"upper\", \"left\"]\n[material]\nyoung = 5\npoisson = 0.3\n\
+         [exterior]\nyoung = 100\npoisson = 0.3\n{loads}\n[probe]\npoints = {points}\n\
+         [grid]\ncoarse = [{cells}, {cells}]\nfine = [1, 1]\n[method]\nmodel = \"fem-bem\"\n{method}"
+    ))
+}
+
+/// The body moves by the jump, and nothing is strained.
+#[test]
+fn a_jump_that_is_a_rigid_motion_leaves_all_at_rest() {
+    for jump in ["[1, 2]", "[\"-0.1*y\", \"0.1*x\"]"] {
+        let summary = inclusion(&format!("displacement_jump = {jump}"), "[[0.25, 0.2]]", 8, "");
+        assert!(summary.converged, "{jump}");
+        let wanted = if jump.contains('y') { [-0.02, 0.025] } else { [1.0, 2.0] };
+        let Quantity { value, uncertainty, .. } = summary.quantities["probe.0.displacement.x"];
+        assert!((value - wanted[0]).abs() < 1e-12 && uncertainty < 1e-8, "{jump}: {value} ± {uncertainty}");
+    }
+}
+
+/// Stresses beside long boundary elements have the error of their tractions, and elements longer than cells leave displacements apart.
+#[test]
+fn what_few_boundary_elements_tell_is_in_doubt() {
+    let doubts = |summary: &Summary, path: &str| summary.quantities[path].doubts.clone();
+    let points = "[[0.1, 0.51], [0.1, 0.7]]";
+    let own = inclusion("remote_stress = [1, 0.2, 0.3]", points, 16, "");
+    for (path, wanted) in [
+        ("probe.0.stress.yy", &["coarse"][..]),
+        ("probe.0.displacement.y", &[]),
+        ("probe.1.stress.yy", &[]),
+        ("energy", &[]),
+    ] {
+        assert_eq!(doubts(&own, path), wanted, "{path}");
+    }
+    for (cells, method) in [(16, "elements = 8"), (1, "")] {
+        let own = inclusion("remote_stress = [1, 0.2, 0.3]", points, cells, method);
+        let undoubted: Vec<&String> =
+            own.quantities.iter().filter(|(_, of)| of.doubts.is_empty()).map(|own| own.0).collect();
+        assert!(undoubted.is_empty(), "{method}: {undoubted:?}");
+    }
+}

@@ -225,7 +225,7 @@ elements = 8
 "#;
 
 /// Small scenes with what no other kind has: name, file, settings.
-const MORE: [(&str, &str, &[&str]); 5] = [
+const MORE: [(&str, &str, &[&str]); 6] = [
     (
         "springs",
         "block.toml",
@@ -256,6 +256,16 @@ const MORE: [(&str, &str, &[&str]); 5] = [
         "oversampled",
         concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/37-block-of-random-cells.toml"),
         &["grid.basis=\"oversampled\"", "method.estimators=true"],
+    ),
+    (
+        "floating",
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/35-checkerboard.toml"),
+        &[
+            "grid.basis=\"coupled\"",
+            "grid.fine=[2, 2]",
+            "sides.left={ traction=[\"-1\", \"0\"] }",
+            "sides.right={ traction=[\"1\", \"0\"] }",
+        ],
     ),
 ];
 

@@ -7,6 +7,9 @@ use crate::balance::Balance;
 use crate::dense;
 use crate::{Coupled, CouplingError, Interior, Medium, Transfer};
 
+/// Rounding errors of forces, over the largest stiffness times the largest displacement.
+const ROUNDED: f64 = 1e-12;
+
 /// A body and the medium around it; all unknowns of the body except those of its trace are eliminated.
 ///
 /// ```text
@@ -76,7 +79,7 @@ impl<'a> Transmission<'a> {
 
     /// How far the forces of a solution by [`Form::TwoField`](crate::Form::TwoField) or [`Form::Schur`](crate::Form::Schur) are out of balance,
     /// max|A u + Πᵀ S(ξ - a) - F| / (max|A u| + max|F|) over all unknowns of the body: roundoff, which grows with the stiffness of
-    /// the body over that of the medium. 0 where nothing acts.
+    /// the body over that of the medium. 0 where nothing acts, and where the body moves as a whole up to roundoff.
     pub fn imbalance(&self, solved: &Coupled) -> f64 {
         let of_medium = dense::apply_transposed(&self.transfer.projection, &self.medium.forces(solved).0);
         let Inside { elimination, load, kept, .. } = &self.inside;
@@ -85,7 +88,8 @@ impl<'a> Transmission<'a> {
         let scale = largest(&forces) + largest(load);
         kept.iter().zip(&of_medium).for_each(|(&u, f)| forces[u] += f);
         let worst = forces.iter().zip(load).fold(0.0f64, |m, (a, f)| m.max((a - f).abs()));
-        if scale > 0.0 { worst / scale } else { 0.0 }
+        let rounding = ROUNDED * elimination.largest_diagonal() * largest(&solved.displacement);
+        if worst > rounding { worst / scale } else { 0.0 }
     }
 
     /// Largest diagonal entry of A_c over that of W.

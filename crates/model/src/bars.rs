@@ -28,7 +28,7 @@ use crate::contact_length::extracts_ends;
 use crate::doubt::Doubt;
 use crate::estimate::error_estimate::{Bubble, Estimate, NOT_STATIONARY, ROUNDOFF, UNRESOLVED};
 use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
-use crate::grid::{GridQuantity, GridSolved, doubts_of_contact};
+use crate::grid::{GridQuantity, GridSolved, doubts_of_contact, knows_friction_work};
 use crate::named::components;
 use crate::quantities::{EstimatedQuantity, OF_POINT, forces, forces_between, has_contact, has_largest_stress, peaks};
 
@@ -275,33 +275,43 @@ impl Bars {
 
     /// The values of a solution on a grid.
     pub(crate) fn on_grid(scene: &Scene, solved: &GridSolved) -> Self {
-        let (quantities, entries) = (solved.quantities(scene), entries(scene, &solved.reactions));
-        let Some(estimate) = solved.estimate.as_ref().filter(|_| quantities.len() == entries.len()) else {
+        let (quantities, mut entries) = (solved.quantities(scene), entries(scene, &solved.reactions));
+        add_works(scene, &mut entries);
+        entries.retain(|entry| entry.of != Of::Friction || knows_friction_work(scene));
+        if quantities.len() != entries.len() {
             return Self::default();
-        };
+        }
+        let estimate = solved.estimate.as_ref();
         let of = |own: &GridQuantity| [own.fine_grid, own.multiscale, own.medium].map(|part| OF_DIFFERENCE * part);
         let parts: Vec<[f64; 3]> = quantities.iter().map(of).collect();
         let values = quantities.iter().zip(&parts).map(|(own, parts)| [own.value, parts.iter().sum()]).collect();
-        let scale = if estimate.relative > 0.0 { estimate.error / estimate.relative } else { 0.0 };
+        let scale = (2.0 * solved.energies.strain).max(0.0).sqrt();
         let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
+        let error = estimate.map_or(0.0, |estimate| estimate.error);
         let friction = solved.energies.friction_work;
         let parts_of_energy = solved.energy(scene).map(|energy| {
             // what the estimate sees of loads that cells do not resolve as well
-            let fine = if scene.method.indicator == Indicator::Bubble { estimate.fine_grid / 2.0 } else { 0.0 };
+            let fine =
+                estimate.filter(|_| scene.method.indicator == Indicator::Bubble).map_or(0.0, |own| own.fine_grid / 2.0);
             // J is not stationary under Coulomb's law
-            let bounds = if coulomb { NOT_STATIONARY * estimate.error * (2.0 * friction).sqrt() } else { 0.0 };
+            let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * friction).sqrt() } else { 0.0 };
             [energy.fine_grid.max(fine) + bounds, energy.multiscale, energy.medium].map(|part| OF_DIFFERENCE * part)
         });
         let mut at_jumps = solved.at_jumps(&scene.probe);
         at_jumps.extend((0..scene.probe.len()).filter(|&k| is_in_contact(scene, scene.probe[k])));
+        at_jumps.extend(solved.beside_medium(&scene.probe));
         let near_singular = solved.near_singular(&scene.probe, &singular_points(scene, solved.trace().mesh, &[]));
         let rounded = solved.digits().max(ROUNDED);
+        let mut doubts = doubts_of_contact(scene, solved, error);
+        // else the estimate has it
+        doubts.extend((estimate.is_none() && solved.crosses()).then_some(Doubt::Contrast));
+        doubts.extend(solved.has_coarse_medium().then_some(Doubt::Coarse));
         let mut all = Self {
             entries,
             values,
             sizes: sizes(scene, scale),
             of_energy: None,
-            doubts: doubts_of_contact(scene, solved, estimate.error),
+            doubts,
             parts,
             parts_of_energy,
             at_jumps,

@@ -243,7 +243,11 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
     let (energy, known) = told.energy;
     if let Some(parts) = all.parts_of_energy {
         let least = all.rounded * energy.abs();
-        let quantity = with(energy, parts.iter().sum::<f64>().max(least));
+        let mut quantity = with(energy, parts.iter().sum::<f64>().max(least));
+        // few nodes of contact have little part in J, few elements of a medium much
+        if count == ON_GRID.len() {
+            all.doubts.iter().for_each(|own| doubt(&mut quantity, *own));
+        }
         quantities.insert("energy".to_owned(), Quantity { parts: of_parts(&parts), ..quantity });
     } else if let Some([extrapolated, uncertainty]) = known {
         let d = (extrapolated - energy).abs();
@@ -277,7 +281,7 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
             Of::Reactions => continue,
             Of::LargestStress if !(value.is_finite() && uncertainty.is_finite()) => continue,
             Of::LargestStress => {}
-            Of::Friction if !known_at_corners => continue,
+            Of::Friction if !(known_at_corners && value.is_finite()) => continue,
             Of::Friction => {}
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {
                 Some([length, of_vertices]) => {
@@ -364,14 +368,18 @@ fn of_energies(
         let nothing = loads_alone_work(scene).then_some([0.0; 2]);
         (nothing, nothing)
     };
-    let (Some(reactions), Some(friction), false) = (reactions, friction, scene.problem.has_springs()) else { return };
-    for (path, value, factor, of_friction) in [("strain_energy", strain, 1.0, 0.0), ("load_work", load_work, 2.0, 1.0)]
+    let known = |work: &[f64; 2]| work[0].is_finite();
+    let (Some(reactions), false) = (reactions.filter(known), scene.problem.has_springs()) else { return };
+    let (nothing, friction) = (Some([0.0; 2]), friction.filter(known));
+    for (path, value, factor, friction) in
+        [("strain_energy", strain, 1.0, nothing), ("load_work", load_work, 2.0, friction)]
     {
-        let sum = |k: usize| reactions[k] + of_friction * friction[k];
+        let Some(friction) = friction else { continue };
+        let sum = |k: usize| reactions[k] + friction[k];
         let left = (value - (sum(0) - factor * energy.value)).abs();
         let left = if left > SAME_ENERGY * value.abs() { left } else { 0.0 };
         let bar = factor * energy.uncertainty + sum(1);
-        let of_corners = [reactions[0], of_friction * friction[0]];
+        let of_corners = [reactions[0], friction[0]];
         // without loads their work is exactly zero
         let unloaded = value == 0.0;
         let known =
@@ -382,8 +390,10 @@ fn of_energies(
         let uncertainty = if unloaded { 0.0 } else { bar + left };
         let share = if energy.uncertainty > 0.0 { uncertainty / energy.uncertainty } else { 0.0 };
         let parts = energy.parts.iter().map(|(name, part)| (name.clone(), share * part)).collect();
-        let quantity = Quantity { value, uncertainty, doubts: energy.doubts.clone(), parts };
-        quantities.insert(path.to_owned(), quantity);
+        let mut doubts = energy.doubts.clone();
+        doubts.extend(all.doubts.iter().map(|doubt| doubt.word().to_owned()));
+        doubts.dedup();
+        quantities.insert(path.to_owned(), Quantity { value, uncertainty, doubts, parts });
     }
 }
 

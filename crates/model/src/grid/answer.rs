@@ -5,6 +5,7 @@ use steklov_msfem::crossing_contrast;
 use steklov_problem::{Condition, QuantityKind, Scene, Side, Spot};
 
 use super::error_parts::{FAILING, GridEstimate};
+use super::estimate::contrast_crossed;
 use super::solution::GridSolved;
 use super::trace::{GridTrace, node_at};
 use crate::answer::probes;
@@ -68,6 +69,11 @@ impl GridSolved {
         let across = self.body.grid.cells.into_iter().fold(0, usize::max) as f64;
         let [low, high] = self.moduli();
         OF_FACTOR * f64::EPSILON * high / low * across * across
+    }
+
+    /// Whether moduli cross so much at a node that the error of the fine grid is not seen.
+    pub(crate) fn crosses(&self) -> bool {
+        contrast_crossed(&self.body) >= FAILING
     }
 
     /// The smallest and the largest Young's modulus of a cell.

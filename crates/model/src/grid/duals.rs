@@ -28,14 +28,14 @@ use steklov_problem::steklov_expression::Expression;
 use steklov_problem::{Condition, Scene};
 
 use super::frozen_contact::{FrozenContact, FrozenProblem, on_contact, with_frozen};
-use super::functionals::{GridFunctional, GridFunctionals, Number, Weight};
+use super::functionals::{GridFunctional, GridFunctionals, Number, Weight, at_point};
 use super::in_medium::{InMedium, MediumPart};
 use super::loads::Tractions;
 use super::solution::{CoarseSolved, GridSolved};
 use super::solve::Acting;
 use super::solve_coarse::lift;
 use super::system::CondensedContact;
-use super::trace::GridTrace;
+use super::trace::{GridTrace, node_at};
 use crate::contact_length::ends_at_corners_are_known;
 use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
@@ -45,8 +45,9 @@ use crate::solve::contact_rows::contact_rows;
 const OF_WEIGHTED: f64 = 0.5;
 /// The part of what an end changes that moves by a whole node: it is nearer to where the sets have it.
 const OF_NODE: f64 = 0.5;
-/// Gain of energy at which u_h is near enough.
+/// Gain of energy at which u_h is near enough, and the same from a field that does not conform, whose error is not of the edges alone.
 const ENOUGH: f64 = 3e-2;
+const ENOUGH_OF_ROUGH: f64 = 1e-6;
 
 /// A number on a grid, and how far the exact one may be by the parts of the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,7 +94,7 @@ pub(super) struct Supported {
 
 impl GridSolved {
     /// The numbers of the scene with the parts of their errors, in the order of the error bars; none where they are not known:
-    /// of a body that can move as a whole, of bases that do not conform, and once a next step has begun.
+    /// of a body that can move as a whole, of bases that do not conform with contact, and once a next step has begun.
     ///
     /// *Cost*: at the first call a solution with the factor for each number, and one of the fine grid by conjugate gradients.
     pub fn quantities(&self, scene: &Scene) -> &[GridQuantity] {
@@ -108,8 +109,9 @@ impl GridSolved {
     fn numbers(&self, scene: &Scene) -> &(Vec<GridQuantity>, Option<GridQuantity>) {
         let found = || {
             let data = self.dual_data.lock().unwrap_or_else(PoisonError::into_inner).take()?;
-            let conforms = self.coarse.as_ref().is_none_or(|coarse| coarse.basis.is_conforming());
-            let known = self.free_motions.is_empty() && conforms && self.converged();
+            // contact holds nodes where a basis that does not conform has two displacements
+            let known = self.contact.is_none() || self.coarse.as_ref().is_none_or(|own| own.basis.is_conforming());
+            let known = known && self.free_motions.is_empty() && self.converged();
             // what the moduli do not allow has no error bars
             known.then(|| Duals::new(scene, self, data).ok())?
         };
@@ -142,12 +144,32 @@ impl<'a> Duals<'a> {
             Equations::Supported(own) => (own.contact.as_ref().map(|condensed| &condensed.factors.sets), None),
             Equations::InMedium(medium) => (None, Some(&**medium)),
         };
-        let contact = FrozenContact::new(scene, solved, sets);
+        let mut contact = FrozenContact::new(scene, solved, sets);
+        if let (Some(_), Equations::Supported(own)) = (rough(solved), &factors.equations) {
+            contact.held.extend(own.held_unknowns(&acting.fine, solved));
+        }
         let functionals = GridFunctionals::new(scene, solved, &acting.fine, (&contact, medium));
         contact.held.keys().for_each(|&unknown| is_held[unknown] = true);
         let Solutions { solutions, of_ends, energy_of_ends, medium } =
             solutions(&functionals.functionals, (scene, solved), &acting, factors)?;
         Ok(Self { functionals, solutions, of_ends, energy_of_ends, acting, is_held, contact, medium })
+    }
+}
+
+/// The coarse cells of a solution whose basis does not conform.
+fn rough(solved: &GridSolved) -> Option<&CoarseSolved> {
+    solved.coarse.as_ref().filter(|coarse| !coarse.basis.is_conforming())
+}
+
+impl Supported {
+    /// The fine unknowns that supports hold, and what the displacement lacks of what they give.
+    fn held_unknowns(&self, fine: &GridTrace, solved: &GridSolved) -> Vec<(usize, f64)> {
+        let of_node = |(&place, held): (&[usize; 2], &Held)| {
+            let node = node_at(&solved.body.grid, place);
+            [0, 1]
+                .map(|i| held.components[i].map(|(given, _)| (2 * node + i, given - solved.displacement[2 * node + i])))
+        };
+        fine.lattice.iter().zip(&self.held).flat_map(of_node).flatten().collect()
     }
 }
 
@@ -228,10 +250,17 @@ fn solutions(
     }
     let on_vertices = Solutions::new(functionals, (scene, solved), fine, &equations, (&loads, &of_held))?;
     let fields = on_vertices.solutions.into_iter().zip(&extras).zip(functionals);
-    let fine = |((coarse, extra), functional): ((Vec<f64>, &Extra), &GridFunctional<'_>)| {
-        Ok::<_, SolveError>(problem.downscale(&coarse, &functional.load, extra, &mut |_| true)?)
+    let on_fine = |((coarse, extra), functional): ((Vec<f64>, &Extra), &GridFunctional<'_>)| {
+        let mut z = problem.downscale(&coarse, &functional.load, extra, &mut |_| true)?;
+        if rough(solved).is_some() {
+            for (&place, held) in fine.lattice.iter().zip(functional.held(fine, &fine_held)) {
+                let node = node_at(&body.grid, place);
+                (0..2).for_each(|i| z[2 * node + i] = held.components[i].map_or(z[2 * node + i], |(w, _)| w));
+            }
+        }
+        Ok::<_, SolveError>(z)
     };
-    let solutions = fields.map(fine).collect::<Result<_, _>>()?;
+    let solutions = fields.map(on_fine).collect::<Result<_, _>>()?;
     Ok(Solutions { solutions, ..on_vertices })
 }
 
@@ -244,13 +273,19 @@ impl Duals<'_> {
             let (residual, with_shear) = self.residuals(solved);
             let resist =
                 self.medium.as_ref().map_or(Vec::new(), |medium| medium.resistance(&solved.body, &coarse.mesh));
-            let c = self.correction(&solved.body, &with_shear, &resist);
-            of_coarse = self.of_coarse_cells(solved, coarse, &residual, &c);
+            let enough = if rough(solved).is_some() { ENOUGH_OF_ROUGH } else { ENOUGH };
+            let c = self.correction(&solved.body, &with_shear, &resist, enough);
+            of_coarse = match rough(solved) {
+                Some(_) => self.of_rough_cells(solved, &residual, &c),
+                None => self.of_coarse_cells(solved, coarse, &residual, &c),
+            };
             // J(u_H) - J(u_h) = r·c - ½ a(c, c)
             let work: f64 = with_shear.iter().zip(&c).map(|(r, c)| r * c).sum();
             let of_medium: f64 = resist.iter().zip(&c).map(|(d, c)| d * c * c).sum();
             let strain = solved.body.energy(&c, &c) + of_medium;
-            energy.multiscale = (work - strain / 2.0).abs() + self.energy_of_ends;
+            // cells apart have another energy than the field that is told
+            let apart = rough(solved).map_or(0.0, |_| energy.value - self.energy_of_field(solved));
+            energy.multiscale = (apart + work - strain / 2.0).abs() + self.energy_of_ends;
             u.to_mut().iter_mut().zip(&c).for_each(|(u, c)| *u += c);
         }
         let (of_cells, of_energy) = self.of_fine_cells(scene, &solved.body, &u);
@@ -275,7 +310,22 @@ impl Duals<'_> {
             *part += self.of_moved_ends(sum);
             own
         };
-        (self.functionals.numbers.iter().map(number).collect(), Some(energy))
+        let mut numbers: Vec<GridQuantity> = self.functionals.numbers.iter().map(number).collect();
+        if rough(solved).is_some() {
+            // invariants of stresses are not linear in what cells do not tell
+            let at = |x: &[f64; 2]| at_point(&solved.body, &u, *x).unwrap_or([f64::NAN; 8]);
+            for (own, exact) in numbers.iter_mut().zip(scene.probe.iter().flat_map(at)) {
+                own.multiscale = (exact - own.value).abs();
+            }
+        }
+        (numbers, Some(energy))
+    }
+
+    /// ½ a(u, u) - f·u of the displacement of the fine nodes.
+    fn energy_of_field(&self, solved: &GridSolved) -> f64 {
+        let (body, u) = (&solved.body, &solved.displacement);
+        let work: f64 = self.acting.loads.nodal(body).iter().zip(u).map(|(f, u)| f * u).sum();
+        body.energy(u, u) / 2.0 - work
     }
 
     /// f - K u_H with the tractions of the medium and the shear that is given, and with that which follows the pressure.
@@ -304,12 +354,12 @@ impl Duals<'_> {
     }
 
     /// u_h - u_H from the residual f - K u_H, with the gap where contact holds u_h, and the resistance of a medium.
-    fn correction(&self, body: &HeterogeneousBody, residual: &[f64], resist: &[f64]) -> Vec<f64> {
+    fn correction(&self, body: &HeterogeneousBody, residual: &[f64], resist: &[f64], enough: f64) -> Vec<f64> {
         let mut c = vec![0.0; residual.len()];
         self.contact.held.iter().for_each(|(&unknown, &lacks)| c[unknown] = lacks);
         let of_gap = if self.contact.held.is_empty() { c.clone() } else { body.forces(&c) };
         let rest: Vec<f64> = residual.iter().zip(of_gap).map(|(r, f)| r - f).collect();
-        let free = fine_correction(body, &rest, &self.is_held, resist, ENOUGH);
+        let free = fine_correction(body, &rest, &self.is_held, resist, enough);
         c.iter_mut().zip(free).for_each(|(c, free)| *c += free);
         c
     }
@@ -411,18 +461,29 @@ impl Duals<'_> {
             return all;
         }
         for (functional, z) in functionals() {
-            let of_cell = |(&cell, load): (&usize, &[f64; 8])| -> f64 {
-                body.cell_values(&solved.displacement, cell).iter().zip(load).map(|(u, f)| -f * u).sum()
-            };
-            let of_field: f64 = functional.load.boundary.iter().map(of_cell).sum();
+            let of_field = functional.of(body, &solved.displacement);
             let of_forces: f64 = z.iter().zip(residual).map(|(z, r)| -z * r).sum();
             let of_shear = functional
                 .of_forces
                 .as_ref()
                 .map_or(0.0, |(side, w)| self.contact.work(*side, |node| body.grid.point(node), w));
-            all.push(of_field + of_forces + of_shear - functional.value);
+            // a part of a number is that of the field
+            let off = of_field + of_forces + of_shear - functional.value;
+            all.push(if off.is_nan() { 0.0 } else { off });
         }
         all
+    }
+
+    /// J(u_h) less the number that is told of each functional, u_h = u + c: by c alone, as the residual of cells that do not conform is not of
+    /// their edges. `residual` is f - K u.
+    fn of_rough_cells(&self, solved: &GridSolved, residual: &[f64], c: &[f64]) -> Vec<f64> {
+        let body = &solved.body;
+        let left: Vec<f64> = residual.iter().zip(body.forces(c)).map(|(r, f)| r - f).collect();
+        let of = |(functional, z): (&GridFunctional<'_>, &Vec<f64>)| match functional.of_forces {
+            Some(_) => -z.iter().zip(&left).map(|(z, r)| z * r).sum::<f64>() - functional.value,
+            None => functional.of(body, &solved.displacement) + functional.of(body, c) - functional.value,
+        };
+        self.functionals.functionals.iter().zip(&self.solutions).map(of).collect()
     }
 }
 

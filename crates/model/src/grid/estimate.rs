@@ -18,7 +18,7 @@ use super::trace::{GridTrace, node_at};
 use crate::error::SolveError;
 
 /// Largest ratio of the softer of two opposite cells at a node to the stiffer one of the other two.
-fn contrast_crossed(body: &HeterogeneousBody) -> f64 {
+pub(super) fn contrast_crossed(body: &HeterogeneousBody) -> f64 {
     let grid = &body.grid;
     let [nx, ny] = grid.cells;
     let young = |ix: usize, iy: usize| if grid.inside(ix, iy) { body.young[ix * ny + iy] } else { f64::NAN };

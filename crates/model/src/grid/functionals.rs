@@ -23,7 +23,7 @@ const OF_BEND: f64 = 0.25;
 
 /// A linear functional J, as the load of its dual problem.
 pub(super) struct GridFunctional<'a> {
-    /// J(u) as it is told.
+    /// J(u) as it is told, NaN of a part of a number.
     pub value: f64,
     /// -j: the moments against the bilinear functions of cells.
     pub load: Loads,
@@ -41,11 +41,11 @@ pub(super) struct GridFunctional<'a> {
 pub(super) type Weight<'a> = Box<dyn Fn([f64; 2]) -> [f64; 2] + Sync + 'a>;
 
 impl<'a> GridFunctional<'a> {
-    fn of_load(value: f64, load: Loads) -> Self {
+    pub fn of_load(value: f64, load: Loads) -> Self {
         Self { value, load, of_cell: None, traction: HashMap::new(), outside: None, of_forces: None }
     }
 
-    fn of_forces(value: f64, side: usize, w: Weight<'a>) -> Self {
+    pub fn of_forces(value: f64, side: usize, w: Weight<'a>) -> Self {
         Self { of_forces: Some((side, w)), ..Self::of_load(value, Loads::default()) }
     }
 
@@ -59,6 +59,14 @@ impl<'a> GridFunctional<'a> {
             }
         }
         nodal
+    }
+
+    /// j·u of a field of the fine nodes.
+    pub fn of(&self, body: &HeterogeneousBody, u: &[f64]) -> f64 {
+        let of_cell = |(&cell, load): (&usize, &[f64; 8])| -> f64 {
+            body.cell_values(u, cell).iter().zip(load).map(|(u, f)| -f * u).sum()
+        };
+        self.load.boundary.iter().map(of_cell).sum()
     }
 
     /// What is held in the dual problem, at the nodes of a boundary.
@@ -146,6 +154,7 @@ impl<'a> GridFunctionals<'a> {
         if !peaks(scene).is_empty() && this.add_peak(solved).is_none() {
             this.numbers.push(Number::new(f64::NAN, Vec::new()));
         }
+        this.add_works(scene, solved, contact);
         this
     }
 
@@ -186,7 +195,7 @@ impl<'a> GridFunctionals<'a> {
     }
 
     /// Adds a number that is one functional.
-    fn add(&mut self, functional: GridFunctional<'a>) {
+    pub fn add(&mut self, functional: GridFunctional<'a>) {
         self.numbers.push(Number::new(functional.value, vec![(self.functionals.len(), 1.0)]));
         self.functionals.push(functional);
     }
@@ -274,6 +283,13 @@ impl<'a> GridFunctionals<'a> {
             self.numbers.push(Number::new(invariant, (0..3).map(|k| (first + 2 + k, slopes[k])).collect()));
         }
     }
+}
+
+/// The numbers of a point of the body in the order of [`GridFunctionals`] for a field of the fine nodes.
+pub(super) fn at_point(body: &HeterogeneousBody, u: &[f64], x: [f64; 2]) -> Option<[f64; 8]> {
+    let ((cell, _), ([ux, uy], stress)) = (body.grid.locate(x)?, body.at(u, x)?);
+    let ([larger, smaller], [xx, yy, xy]) = (principal(stress), stress);
+    Some([ux, uy, xx, yy, xy, body.elasticity_of(cell).von_mises(stress), larger, smaller])
 }
 
 /// Whether the solution is one that is bounded at infinity, whose mean on the interface is 0.

@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use steklov_bem_operators::Space;
+use steklov_bem_operators::{Mesh, SAME_PLACE, Space, distance_to_segment};
 use steklov_coupling::{Coupled, Factored, Medium, MediumField, MediumLoad, MediumResiduals, Response};
 use steklov_msfem::{CoarseMesh, HeterogeneousBody};
 use steklov_problem::Scene;
@@ -16,6 +16,7 @@ use steklov_problem::Scene;
 use super::coupled::on_interface;
 use super::functionals::GridFunctional;
 use super::interface_sides::{InterfaceSides, Moments};
+use super::solution::GridSolved;
 use super::trace::GridTrace;
 use crate::error::SolveError;
 
@@ -114,5 +115,27 @@ impl MediumPart {
             }
         }
         resistance
+    }
+}
+
+/// Boundary elements up to which there are few.
+const FEW: usize = 4;
+
+impl GridSolved {
+    /// Whether the boundary elements of a medium are few, or longer than the pieces of the trace: the fields are then equal in the mean alone,
+    /// and what is between is not seen.
+    pub(crate) fn has_coarse_medium(&self) -> bool {
+        let Some(around) = &self.around else { return false };
+        let longest = |mesh: &Mesh| (0..mesh.len()).map(|e| mesh.length(e)).fold(0.0, f64::max);
+        around.mesh.len() <= FEW || longest(&around.mesh) > (1.0 + SAME_PLACE) * longest(&self.trace.mesh)
+    }
+
+    /// Which of these points are in the medium nearer to a boundary element than it is long: stresses have the error of its tractions there.
+    pub(crate) fn beside_medium(&self, points: &[[f64; 2]]) -> Vec<usize> {
+        let Some(around) = &self.around else { return Vec::new() };
+        let mesh = &around.mesh;
+        let is_near = |x: [f64; 2]| (0..mesh.len()).any(|e| distance_to_segment(x, mesh.ends(e)) < mesh.length(e));
+        let is_outside = |x: [f64; 2]| self.body.grid.locate(x).is_none();
+        (0..points.len()).filter(|&k| is_outside(points[k]) && is_near(points[k])).collect()
     }
 }

@@ -34,6 +34,7 @@ mod solve;
 mod solve_coarse;
 mod system;
 mod trace;
+mod works;
 
 pub use adjoint::modulus_derivatives;
 pub(crate) use affine::{AffineGrid, OfBlock};
@@ -45,3 +46,4 @@ pub use run::{MARKING, OnGrid};
 pub use solution::{CoarseSolved, GridSolved};
 pub use solve::solve_grid;
 pub(crate) use solve::{Acting, solve_once};
+pub(crate) use works::knows_friction_work;
