@@ -63,7 +63,13 @@ fn bars_in_a_medium_hold_against_boundary_elements() {
                 assert!(own.quantities.contains_key(path), "{path}\n{text}");
                 assert!(own.quantities[path].parts["medium"] > 0.0, "{path}: {:?}", own.quantities[path]);
             }
-            let own = effectivities(&own, &around, |quantity| quantity.uncertainty);
+            let energies = [("strain_energy", around.strain_energy), ("load_work", around.load_work)];
+            let of_energies = energies.map(|(path, exact)| {
+                let Quantity { value, uncertainty, .. } = own.quantities[path];
+                uncertainty / (value - exact).abs()
+            });
+            let mut own = effectivities(&own, &around, |quantity| quantity.uncertainty);
+            own.extend(of_energies);
             if own.iter().any(|e| *e < 0.5) {
                 println!("{own:?} on {n} cells of {fine}\n{text}");
             }

@@ -28,7 +28,7 @@ use crate::contact_length::extracts_ends;
 use crate::doubt::Doubt;
 use crate::estimate::error_estimate::{Bubble, Estimate, NOT_STATIONARY, ROUNDOFF, UNRESOLVED};
 use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
-use crate::grid::{GridQuantity, GridSolved, doubts_of_contact, knows_friction_work};
+use crate::grid::{GridQuantity, GridSolved, doubts_of_contact, has_jump_work, knows_friction_work};
 use crate::named::components;
 use crate::quantities::{EstimatedQuantity, OF_POINT, forces, forces_between, has_contact, has_largest_stress, peaks};
 
@@ -145,10 +145,12 @@ fn add_works(scene: &Scene, entries: &mut Vec<Entry>) {
         (has_reaction_work(scene), Of::Reactions, "reaction_work"),
         (has_friction_work(scene), Of::Friction, "friction_work"),
     ];
-    for (_, of, path) in works.into_iter().filter(|(known, ..)| *known) {
-        let group = entries.len()..entries.len() + 1;
-        entries.push(Entry { path: path.to_owned(), kind: Kind::Energy, of, group });
-    }
+    works.into_iter().filter(|(known, ..)| *known).for_each(|(_, of, path)| add_work(entries, of, path));
+}
+
+fn add_work(entries: &mut Vec<Entry>, of: Of, path: &str) {
+    let group = entries.len()..entries.len() + 1;
+    entries.push(Entry { path: path.to_owned(), kind: Kind::Energy, of, group });
 }
 
 /// The largest von Mises stress, behind the works.
@@ -278,6 +280,9 @@ impl Bars {
         let (quantities, mut entries) = (solved.quantities(scene), entries(scene, &solved.reactions));
         add_works(scene, &mut entries);
         entries.retain(|entry| entry.of != Of::Friction || knows_friction_work(scene));
+        if has_jump_work(scene) {
+            add_work(&mut entries, Of::Reactions, "reaction_work");
+        }
         if quantities.len() != entries.len() {
             return Self::default();
         }

@@ -362,7 +362,7 @@ fn of_energies(
     let Some(energy) = quantities.get("energy").cloned() else { return };
     let of = |of: Of| all.entries.iter().zip(&all.values).find(|(entry, _)| entry.of == of).map(|(_, own)| *own);
     let has = |known: bool, entry: Of| if known { of(entry) } else { Some([0.0; 2]) };
-    let (reactions, friction) = if has_reaction_work(scene) {
+    let (reactions, friction) = if has_reaction_work(scene) || of(Of::Reactions).is_some() {
         (of(Of::Reactions), has(has_friction_work(scene), Of::Friction))
     } else {
         let nothing = loads_alone_work(scene).then_some([0.0; 2]);

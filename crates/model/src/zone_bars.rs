@@ -90,6 +90,21 @@ impl Zones<'_> {
         [Some([length, bar(TipKind::ContactEnd)]), stick]
     }
 
+    /// How far each of these ends of contact may be off, x and y; none of one that is not located.
+    pub(crate) fn ends(&self, ends: &[[f64; 2]]) -> Vec<Option<[f64; 2]>> {
+        let edges = self.scene.problem.outline.edges();
+        let rounding = ROUNDED * self.scene.problem.outline.diameter();
+        let of = |&x: &[f64; 2]| {
+            let place = |end: &Located| edges[end.edge].point(end.s);
+            let mut own = self.located.iter().zip(self.off).filter(|(end, _)| end.kind == TipKind::ContactEnd);
+            let off = own
+                .find(|(end, _)| place(end) == x)
+                .map(|(end, off)| edges[end.edge].tangent(end.s).map(|t| off * t.abs()));
+            off.map(|off| off.map(|off| off.max(rounding)))
+        };
+        ends.iter().map(of).collect()
+    }
+
     /// Whether the nodes in contact nearest to each end of contact and of an edge slip, all to one side between two zones of stick. At a line
     /// of symmetry, whose support holds the tangent, stick is what belongs there.
     fn slips_beside_ends(&self, rows: &[ContactRow], located: &[Located]) -> bool {

@@ -346,7 +346,10 @@ fn far_away(exterior: &MediumSummary, lines: &mut Lines) {
 
 /// The energy J with its parts and its error.
 fn energies(s: &Summary, lines: &mut Lines) {
-    lines.say("energy J", plain(s.energy, ENERGY_DIGITS));
+    // else the extrapolated one has the bar
+    let told = s.quantities.get("energy").filter(|_| s.energy_extrapolated.is_none());
+    let bar = told.map_or(String::new(), |told| format!(" ± {}", plain(told.uncertainty, 2)));
+    lines.say("energy J", plain(s.energy, ENERGY_DIGITS) + &bar);
     let springs = s.spring_energy.map_or(String::new(), |energy| format!("springs {}, ", usual(energy)));
     let friction = part(s.friction_work, s.strain_energy.abs().max(s.load_work.abs()));
     let with_bar =

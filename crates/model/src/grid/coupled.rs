@@ -14,7 +14,7 @@ use steklov_msfem::{Bases, CoarseMesh, Extra, HeterogeneousBody, Loads, Multisca
 use steklov_problem::{Scene, Surroundings};
 
 use super::cells::basis;
-use super::duals::{Equations, Factors};
+use super::dual_solutions::{Equations, Factors};
 use super::in_medium::InMedium;
 use super::layout::GridLayout;
 use super::solution::{CoarseSolved, GridSolved};

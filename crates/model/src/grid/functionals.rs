@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use steklov_bem_operators::{Functional, Location};
+use steklov_bem_operators::{Enriched, Location};
 use steklov_coupling::{MediumField, Radiation};
 use steklov_elastic::principal;
 use steklov_msfem::{HeterogeneousBody, Loads, bubble_values};
@@ -31,8 +31,8 @@ pub(super) struct GridFunctional<'a> {
     pub of_cell: Option<(usize, [f64; 10])>,
     /// The same as a mean traction on sides of cells.
     pub traction: HashMap<(usize, usize), [f64; 2]>,
-    /// The same against the functions of the medium, with the opposite sign.
-    pub outside: Option<Functional>,
+    /// The values of the functions of the medium's spaces of one more degree, displacements and tractions, where it is a number of the medium.
+    pub outside: Option<[Enriched; 2]>,
     /// Side whose forces do work on w, and w.
     pub of_forces: Option<(usize, Weight<'a>)>,
 }
@@ -155,6 +155,9 @@ impl<'a> GridFunctionals<'a> {
             this.numbers.push(Number::new(f64::NAN, Vec::new()));
         }
         this.add_works(scene, solved, contact);
+        if let Some(medium) = medium {
+            this.add_jump_work(scene, solved, medium);
+        }
         this
     }
 
@@ -267,7 +270,7 @@ impl<'a> GridFunctionals<'a> {
         let values = [ux, uy, xx, yy, xy];
         for (value, functional) in values.into_iter().zip(field.functionals_at(x)) {
             let of_body = GridFunctional::of_load(value, Loads::default());
-            self.add(GridFunctional { outside: Some(functional), ..of_body });
+            self.add(GridFunctional { outside: Some(functional.enriched(&around.space)), ..of_body });
         }
         self.add_invariants(first, values, |stress| around.material.von_mises(stress));
     }

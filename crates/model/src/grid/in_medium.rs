@@ -8,13 +8,14 @@
 
 use std::f64::consts::PI;
 
-use steklov_bem_operators::{Mesh, SAME_PLACE, Space, distance_to_segment};
+use steklov_bem_operators::{Enriched, Mesh, SAME_PLACE, Space, distance_to_segment};
 use steklov_coupling::{Coupled, Factored, Medium, MediumField, MediumLoad, MediumResiduals, Response};
-use steklov_msfem::{CoarseMesh, HeterogeneousBody};
-use steklov_problem::Scene;
+use steklov_msfem::{CoarseMesh, HeterogeneousBody, Loads};
+use steklov_problem::{Scene, Surroundings};
+use steklov_quadrature::{gauss_legendre, legendre_p};
 
 use super::coupled::on_interface;
-use super::functionals::GridFunctional;
+use super::functionals::{GridFunctional, GridFunctionals, Number};
 use super::interface_sides::{InterfaceSides, Moments};
 use super::solution::GridSolved;
 use super::trace::GridTrace;
@@ -69,21 +70,18 @@ impl InMedium {
     ) -> Result<(Vec<Vec<f64>>, MediumPart), SolveError> {
         let Self { exterior, coupled, factored } = self;
         let Medium { mesh, space, material, .. } = exterior;
-        let jump = |x: [f64; 2]| {
-            let (edge, s) = on_interface(scene, x);
-            scene.displacement_jump(edge, s)
-        };
+        let jump = |x: [f64; 2]| jump_at(scene, x);
         let outside = functionals.iter().any(|functional| functional.outside.is_some());
         let residuals = MediumResiduals::new(exterior, factored.traction_map(), coupled, &jump, outside)?;
         let sides = InterfaceSides::new(&body.grid, fine, mesh, material.young);
         let (mut solutions, mut duals) = (Vec::new(), Vec::new());
         for (functional, load) in functionals.iter().zip(loads) {
-            let values = functional.outside.as_ref().map(|outside| outside.enriched(space));
+            let values = &functional.outside;
             let own = values.as_ref().map(|values| residuals.load(factored.traction_map(), values));
             let forces = own.as_ref().map_or(vec![0.0; space.dofs()], MediumLoad::opposite);
             let Response { displacement, trace, mut traction } =
                 factored.solve(load, &forces).ok_or(SolveError::NotFinite { energy: f64::NAN })?;
-            if let Some([_, of_traction]) = &values {
+            if let Some([_, of_traction]) = values {
                 let more = factored.inverse_single_layer(&of_traction.base);
                 traction.iter_mut().zip(more).for_each(|(t, more)| *t += more);
             }
@@ -96,6 +94,58 @@ impl InMedium {
         Ok((solutions, MediumPart { sides, moments, duals, plane_modulus: material.plane_modulus(), of_energy }))
     }
 }
+
+/// u0 at a point of the interface.
+fn jump_at(scene: &Scene, x: [f64; 2]) -> [f64; 2] {
+    let (edge, s) = on_interface(scene, x);
+    scene.displacement_jump(edge, s)
+}
+
+/// Whether displacements jump between a body on a grid and the medium around it, or the stress far away makes them.
+pub(crate) fn has_jump_work(scene: &Scene) -> bool {
+    let jumps = |around: &Surroundings<'_>| around.tie.displacement_jump.is_some() || scene.remote_stress().is_some();
+    scene.is_on_grid() && scene.surroundings().is_some_and(|around| jumps(&around))
+}
+
+impl GridFunctionals<'_> {
+    /// Adds ∫ φ·u0, the work R of the traction of the medium on the jump: 2E = L + R.
+    pub fn add_jump_work(&mut self, scene: &Scene, solved: &GridSolved, medium: &InMedium) {
+        if !has_jump_work(scene) {
+            return;
+        }
+        let Medium { mesh, space, .. } = &medium.exterior;
+        let zero = || Enriched { base: vec![0.0; space.dofs()], extra: vec![0.0; 2 * mesh.len()] };
+        let (mut of_traction, mut missed) = (zero(), 0.0);
+        let (mut phi, mut legendre) = (vec![0.0; Mesh::MAX_DEGREE + 1], vec![0.0; Mesh::MAX_DEGREE + 1]);
+        for e in 0..mesh.len() {
+            let (basis, p) = (space.basis(e), space.degree(e));
+            let nodal: Vec<[f64; 2]> = basis.nodes.iter().map(|&t| jump_at(scene, mesh.point(e, t))).collect();
+            let rule = gauss_legendre(p + MORE_POINTS);
+            for (&t, w) in rule.points.iter().zip(&rule.weights) {
+                let (phi, legendre) = (&mut phi[..=p], &mut legendre[..=p]);
+                basis.evaluate(t, phi);
+                legendre_p(t, legendre);
+                let (weight, value) = (w * mesh.speed(e, t), jump_at(scene, mesh.point(e, t)));
+                for i in 0..2 {
+                    let at = |m: usize| 2 * (space.offset[e] + m) + i;
+                    (0..p).for_each(|m| of_traction.base[at(m)] += weight * legendre[m] * value[i]);
+                    of_traction.extra[2 * e + i] += weight * legendre[p] * value[i];
+                    let interpolant: f64 = phi.iter().zip(&nodal).map(|(phi, u)| phi * u[i]).sum();
+                    let traction: f64 = (0..p).map(|m| legendre[m] * medium.coupled.traction[at(m)]).sum();
+                    missed += weight * traction * (value[i] - interpolant);
+                }
+            }
+        }
+        let first = self.functionals.len();
+        let of_body = GridFunctional::of_load(f64::NAN, Loads::default());
+        self.functionals.push(GridFunctional { outside: Some([zero(), of_traction]), ..of_body });
+        let value = 2.0 * solved.energies.strain - solved.energies.load_work;
+        self.numbers.push(Number { value, sum: vec![(first, 1.0)], off: f64::abs(missed) });
+    }
+}
+
+/// Gauss points for a jump, more than the degree.
+const MORE_POINTS: usize = 6;
 
 impl MediumPart {
     /// η_e of all numbers, those of an element one after the other.

@@ -9,7 +9,8 @@ use steklov_problem::Scene;
 
 use super::cells::body;
 use super::coupled::solve_coupled;
-use super::duals::{DualData, Equations, Factors, Supported};
+use super::dual_solutions::{Equations, Factors, Supported};
+use super::duals::DualData;
 use super::estimate::estimate;
 use super::layout::GridLayout;
 use super::loads::{CellLoads, Tractions, check_gaps, loads};

@@ -9,7 +9,7 @@ use steklov_msfem::{Basis, CoarseCell, CoarseMesh, Extra, Grid, HeterogeneousBod
 use steklov_problem::{QuantityKind, Scene};
 
 use super::cells::basis;
-use super::duals::{Equations, Factors, Supported};
+use super::dual_solutions::{Equations, Factors, Supported};
 use super::solution::{CoarseSolved, GridSolved};
 use super::solve::{Unestimated, at_nodes, energies, held_unknowns, moment, on_boundary};
 use super::system::{System, without_motions};

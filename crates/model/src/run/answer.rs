@@ -54,6 +54,16 @@ fn add_lengths(quantities: &mut Quantities, zones: Zones<'_>, doubts: &[String])
     }
 }
 
+/// Adds the coordinates of the ends of contact that are located.
+fn add_ends(quantities: &mut Quantities, zones: Zones<'_>, ends: &[[f64; 2]], doubts: &[String]) {
+    for (k, (end, off)) in ends.iter().zip(zones.ends(ends)).enumerate() {
+        for (i, uncertainty) in off.into_iter().flatten().enumerate() {
+            let quantity = Quantity { value: end[i], uncertainty, doubts: doubts.to_vec(), parts: BTreeMap::new() };
+            quantities.insert(format!("contact.ends.{k}.{}", ["x", "y"][i]), quantity);
+        }
+    }
+}
+
 /// Adds the lengths of all contact, stick and slip on a grid.
 fn add_lengths_of_nodes(
     quantities: &mut Quantities,
@@ -151,9 +161,13 @@ pub fn answer<M: Model>(
     }
     let mut quantities = quantities(scene, &report.bars, told);
     quantities.extend(of_means);
+    // nothing says which end belongs to which of several interfaces
+    let several = scene.problem.interfaces().len() > 1 && scene.problem.has_several_bodies();
     if let (Some(contact), Some(located), Some(off)) = (contact, report.located, &report.off) {
         let zones = Zones { scene, trace: report.trace, contact, rows, located, off };
         add_lengths(&mut quantities, zones, &doubts);
+        let ends = contact_in_numbers.as_ref().and_then(|told| told.ends.as_deref()).filter(|_| !several);
+        add_ends(&mut quantities, zones, ends.unwrap_or_default(), &doubts);
     }
     if let (Some(contact), true) = (contact, report.grid.is_some()) {
         add_lengths_of_nodes(&mut quantities, scene, (report.trace, contact, rows), &doubts);
@@ -191,8 +205,6 @@ pub fn answer<M: Model>(
             .map(|own| Estimators { stochastic: outcomes.and_then(|result| result.estimator.clone()), ..own }),
         iterations: contact.map_or(0, |c| c.reported().iterations),
         contact: contact_in_numbers.map(|told| {
-            // nothing says which end belongs to which of several interfaces
-            let several = scene.problem.interfaces().len() > 1 && scene.problem.has_several_bodies();
             let max_pressure = quantities.get("contact.max_pressure").map_or(told.max_pressure, |peak| peak.value);
             ContactSummary { ends: told.ends.filter(|_| !several), max_pressure, ..told }
         }),
