@@ -160,8 +160,13 @@ impl EnrichedSteklov {
     /// Residuals ⟨(K+½)u - Vψ, P_p⟩ of the top tractions, two for each element.
     pub fn traction_residual(&self, u: &[f64]) -> Vec<f64> {
         let y = &self.top * column(u);
-        let l = &self.factor;
-        (0..y.nrows()).map(|i| (0..=i).map(|j| l[(i, j)] * y[j]).sum()).collect()
+        let mut residual = vec![0.0; y.nrows()];
+        // by columns, as they are stored
+        for j in 0..y.nrows() {
+            let below = &self.factor.col_as_slice(j)[j..];
+            residual[j..].iter_mut().zip(below).for_each(|(r, l)| *r += l * y[j]);
+        }
+        residual
     }
 
     /// ⟨Wu + (K'+½)ψ, b⟩ of the bubbles, two for each element.

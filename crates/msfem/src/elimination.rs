@@ -148,7 +148,9 @@ impl Elimination {
         self.held.iter().zip(held).for_each(|(&u, value)| prescribed[u] = *value);
         let known = if held.iter().all(|v| *v == 0.0) { vec![0.0; load.len()] } else { self.multiply(&prescribed) };
         let rows: Vec<f64> = self.free.iter().map(|&u| load[u] - known[u]).collect();
-        let response = if self.kept.is_empty() {
+        let response = if rows.iter().all(|f| *f == 0.0) {
+            vec![0.0; self.kept.len()]
+        } else if self.kept.is_empty() {
             Vec::new()
         } else {
             let w = self.solve(rows.clone());

@@ -8,6 +8,7 @@
 
 use std::f64::consts::PI;
 
+use rayon::prelude::*;
 use steklov_bem_operators::{Enriched, Mesh, SAME_PLACE, Space, distance_to_segment};
 use steklov_coupling::{Coupled, Factored, Medium, MediumField, MediumLoad, MediumResiduals, Response};
 use steklov_msfem::{CoarseMesh, HeterogeneousBody, Loads};
@@ -74,8 +75,7 @@ impl InMedium {
         let outside = functionals.iter().any(|functional| functional.outside.is_some());
         let residuals = MediumResiduals::new(exterior, factored.traction_map(), coupled, &jump, outside)?;
         let sides = InterfaceSides::new(&body.grid, fine, mesh, material.young);
-        let (mut solutions, mut duals) = (Vec::new(), Vec::new());
-        for (functional, load) in functionals.iter().zip(loads) {
+        let of = |(functional, load): (&GridFunctional<'_>, &Vec<f64>)| {
             let values = &functional.outside;
             let own = values.as_ref().map(|values| residuals.load(factored.traction_map(), values));
             let forces = own.as_ref().map_or(vec![0.0; space.dofs()], MediumLoad::opposite);
@@ -86,9 +86,10 @@ impl InMedium {
                 traction.iter_mut().zip(more).for_each(|(t, more)| *t += more);
             }
             let etas = residuals.weighted(&trace, own.as_ref());
-            duals.push(MediumDual { etas, moments: sides.moments(mesh, space, &traction) });
-            solutions.push(displacement);
-        }
+            Ok::<_, SolveError>((displacement, MediumDual { etas, moments: sides.moments(mesh, space, &traction) }))
+        };
+        let all: Vec<_> = functionals.par_iter().zip(loads).map(of).collect::<Result<_, _>>()?;
+        let (solutions, duals) = all.into_iter().unzip();
         let moments = sides.moments(mesh, space, &coupled.traction);
         let of_energy = residuals.of_energy(coupled);
         Ok((solutions, MediumPart { sides, moments, duals, plane_modulus: material.plane_modulus(), of_energy }))
