@@ -155,6 +155,16 @@ pub fn shares(found: &[f64], below: f64, above: f64) -> [f64; 2] {
     [share(&|e| e >= below), share(&|e| e <= above)]
 }
 
+/// Asserts that more than `count` bars are at least half, 0.3 and a tenth of their errors in 97 %, in 99.5 % and in all, and at most 4 and 10
+/// times as large in these parts of all.
+pub fn assert_near_errors(found: &[f64], count: usize, [of_narrow, of_ten]: [f64; 2]) {
+    let least = found.iter().fold(f64::INFINITY, |m: f64, e| m.min(*e));
+    let ([half, narrow], [third, ten]) = (shares(found, 0.5, 4.0), shares(found, 0.3, 10.0));
+    println!("{} numbers: half {half}, third {third}, least {least}, at most 4 {narrow}, 10 {ten}", found.len());
+    assert!(found.len() > count && half >= 0.97 && third >= 0.995 && least >= 0.1, "{half} {third} {least}");
+    assert!(narrow >= of_narrow && ten >= of_ten, "{narrow} {ten}");
+}
+
 #[test]
 fn bars_of_fine_grids_hold_against_boundary_elements() {
     let (mut random, mut found) = (Random::new(11), Vec::new());
@@ -166,11 +176,7 @@ fn bars_of_fine_grids_hold_against_boundary_elements() {
             found.extend(effectivities(&solved(&format!("{text}{grid}")), &exact, |quantity| quantity.uncertainty));
         }
     }
-    let least = found.iter().fold(f64::INFINITY, |m: f64, e| m.min(*e));
-    let ([half, narrow], [third, ten]) = (shares(&found, 0.5, 4.0), shares(&found, 0.3, 10.0));
-    println!("{} numbers: half {half}, third {third}, least {least}, at most 4 {narrow}, 10 {ten}", found.len());
-    assert!(found.len() > 500 && half >= 0.97 && third >= 0.995 && least >= 0.1, "{half} {third} {least}");
-    assert!(narrow >= 0.75 && ten >= 0.9, "{narrow} {ten}");
+    assert_near_errors(&found, 500, [0.75, 0.9]);
 }
 
 /// A rectangle of 2 by 1, pushed onto a parabola from above, without friction or by either law.
@@ -228,11 +234,7 @@ fn bars_with_contact_hold_against_boundary_elements() {
             found.extend(own);
         }
     }
-    let least = found.iter().fold(f64::INFINITY, |m: f64, e| m.min(*e));
-    let ([half, narrow], [third, ten]) = (shares(&found, 0.5, 4.0), shares(&found, 0.3, 10.0));
-    println!("{} numbers: half {half}, third {third}, least {least}, at most 4 {narrow}, 10 {ten}", found.len());
-    assert!(found.len() > 500 && half >= 0.97 && third >= 0.995 && least >= 0.1, "{half} {third} {least}");
-    assert!(narrow >= 0.4 && ten >= 0.7, "{narrow} {ten}");
+    assert_near_errors(&found, 500, [0.4, 0.7]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use steklov_model::quantities::Quantity;
 use steklov_model::summary::Summary;
 use steklov_tests::{Random, on_grid, parse, summary};
 
-use crate::grid_bars::{effectivities, shares};
+use crate::grid_bars::{assert_near_errors, effectivities, shares};
 
 fn solved(text: &str) -> Summary {
     on_grid(&parse(text, &["method.refine=\"none\""]).unwrap_or_else(|e| panic!("{}\n{text}", e.render())))
@@ -76,11 +76,7 @@ fn bars_in_a_medium_hold_against_boundary_elements() {
             found.extend(own);
         }
     }
-    let least = found.iter().fold(f64::INFINITY, |m: f64, e| m.min(*e));
-    let ([half, narrow], [third, ten]) = (shares(&found, 0.5, 4.0), shares(&found, 0.3, 10.0));
-    println!("{} numbers: half {half}, third {third}, least {least}, at most 4 {narrow}, 10 {ten}", found.len());
-    assert!(found.len() > 1000 && half >= 0.97 && third >= 0.995 && least >= 0.1, "{half} {third} {least}");
-    assert!(narrow >= 0.65 && ten >= 0.85, "{narrow} {ten}");
+    assert_near_errors(&found, 1000, [0.65, 0.85]);
 }
 
 /// By boundary elements where their numbers have bars, else by a grid of small cells.

@@ -40,6 +40,18 @@ fn the_whole_residual_gives_the_solution_and_a_looser_one_less_energy() {
     }
 }
 
+/// A body that springs on its nodes alone hold: (K + d) c = r.
+#[test]
+fn what_resists_unknowns_is_on_the_diagonal() {
+    let (body, load, held, _) = solved();
+    let resist: Vec<f64> = (0..load.len() as u64).map(|i| 3.0 * unit_uniform(5, i)).collect();
+    let c = fine_correction(&body, &load, &vec![false; held.len()], &resist, 0.0);
+    let left = |i: usize, force: f64| (force + resist[i] * c[i] - load[i]).abs();
+    let worst = body.forces(&c).into_iter().enumerate().fold(0.0, |m: f64, (i, force)| m.max(left(i, force)));
+    assert!(worst < 1e-9, "{worst:e}");
+    assert!(c.iter().any(|c| c.abs() > 1e-3));
+}
+
 #[test]
 fn several_loads_have_the_fields_of_each() {
     let (body, load, held, u) = solved();

@@ -121,10 +121,7 @@ fn join(
     let mesh = boundary_mesh(scene, layout, &interior)?;
     let exterior = Medium::new(mesh, medium.material, None)?;
     observe(Stage::Medium(&exterior.operators))?;
-    let jump = exterior.space.interpolate(|x| {
-        let (edge, s) = on_interface(scene, x);
-        scene.displacement_jump(edge, s)
-    });
+    let jump = exterior.space.interpolate(|x| jump_at(scene, x));
     let assemble = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     observe(Stage::Progress("factorisation", 0.5))?;
@@ -157,7 +154,7 @@ fn boundary_mesh(scene: &Scene, layout: &GridLayout, interior: &Interior) -> Res
 }
 
 /// The edge of the interface next to a point, and its parameter there.
-pub(super) fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
+fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
     let place = |(k, edge): (usize, &steklov_bem_operators::Edge)| {
         let ([a, b], length) = (edge.listed(), edge.length());
         let along = dot(minus(x, a), minus(b, a)) / (length * length);
@@ -167,6 +164,12 @@ pub(super) fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
     };
     let nearest = scene.interface().map(place).min_by(|a, b| a.0.total_cmp(&b.0));
     nearest.map_or((0, 0.0), |(_, k, s)| (k, s))
+}
+
+/// u0 at a point of the interface.
+pub(super) fn jump_at(scene: &Scene, x: [f64; 2]) -> [f64; 2] {
+    let (edge, s) = on_interface(scene, x);
+    scene.displacement_jump(edge, s)
 }
 
 /// The solution of body and medium, their energies and the residuals of the equations between them.
@@ -183,10 +186,7 @@ fn solved(
     let strain = body.energy(&displacement, &displacement) / 2.0 + exterior.energy(&coupled);
     let clock = Instant::now();
     let jumps = Jumps {
-        displacement: &|x| {
-            let (edge, s) = on_interface(scene, x);
-            scene.displacement_jump(edge, s)
-        },
+        displacement: &|x| jump_at(scene, x),
         traction: &|x, n| {
             let (edge, s) = on_interface(scene, x);
             scene.traction_jump(edge, s, n)

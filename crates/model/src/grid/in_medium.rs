@@ -15,7 +15,7 @@ use steklov_msfem::{CoarseMesh, HeterogeneousBody, Loads};
 use steklov_problem::{Scene, Surroundings};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
-use super::coupled::on_interface;
+use super::coupled::jump_at;
 use super::functionals::{GridFunctional, GridFunctionals, Number};
 use super::interface_sides::{InterfaceSides, Moments};
 use super::solution::GridSolved;
@@ -94,12 +94,6 @@ impl InMedium {
         let of_energy = residuals.of_energy(coupled);
         Ok((solutions, MediumPart { sides, moments, duals, plane_modulus: material.plane_modulus(), of_energy }))
     }
-}
-
-/// u0 at a point of the interface.
-fn jump_at(scene: &Scene, x: [f64; 2]) -> [f64; 2] {
-    let (edge, s) = on_interface(scene, x);
-    scene.displacement_jump(edge, s)
 }
 
 /// Whether displacements jump between a body on a grid and the medium around it, or the stress far away makes them.
