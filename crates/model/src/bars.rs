@@ -28,9 +28,12 @@ use crate::contact_length::extracts_ends;
 use crate::doubt::Doubt;
 use crate::estimate::error_estimate::{Bubble, Estimate, NOT_STATIONARY, ROUNDOFF, UNRESOLVED};
 use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
+use crate::estimate::strain_of_bodies::has_strain_of_bodies;
 use crate::grid::{GridQuantity, GridSolved, doubts_of_contact, has_jump_work, knows_friction_work};
 use crate::named::components;
 use crate::quantities::{EstimatedQuantity, OF_POINT, forces, forces_between, has_contact, has_largest_stress, peaks};
+use crate::reacting::shared;
+use crate::solve::solution::OverOutcomes;
 
 /// How far the exact value may be, over the part that the enriched spaces see.
 pub(crate) const OF_DIFFERENCE: f64 = 1.2;
@@ -40,8 +43,8 @@ pub(crate) const OF_CHANGE: f64 = 0.3;
 const OF_SINGLE: f64 = 5.0;
 /// The part of Σ |η_e| that a difference has at least.
 const OF_WEIGHTED: f64 = 0.5;
-/// How much wider the bars of a pressure and of the largest stress with contact are without a dual problem: they depend on where contact
-/// ends, which frozen sets do not see.
+/// How much wider the bars of a pressure, and with contact of the largest stress and of forces that sides share at a corner, are without a
+/// dual problem: they depend on where contact ends, which frozen sets do not see.
 const OF_PRESSURE: f64 = 3.0;
 /// Steps before the one whose dual problems are trusted: the first ones see little of crack tips and corners.
 const LEAST_BEFORE: usize = 2;
@@ -83,6 +86,8 @@ pub(crate) enum Of {
     Reactions,
     /// The work against friction.
     Friction,
+    /// The strain energy of one of several bodies.
+    Strain,
     /// The largest von Mises stress.
     LargestStress,
 }
@@ -95,6 +100,8 @@ pub(crate) struct Entry {
     pub(crate) of: Of,
     /// The components of its vector or tensor.
     pub(crate) group: Range<usize>,
+    /// Whether the differences of the other components say nothing of its own: of forces whose corners other sides share along one axis.
+    alone: bool,
 }
 
 /// The values of [`Estimate::quantities`] in their order: those at points, the forces of sides and of interfaces, the named quantities.
@@ -102,7 +109,14 @@ fn entries(scene: &Scene, reactions: &[(String, [f64; 2])]) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     let mut add = |of: Of, kind: Kind, paths: Vec<String>| {
         let group = entries.len()..entries.len() + paths.len();
-        entries.extend(paths.into_iter().map(|path| Entry { path, kind, of, group: group.clone() }));
+        let alone = match of {
+            Of::Force(side) => shared(scene, &[side]) != [false; 2],
+            Of::Interface(number) => {
+                scene.problem.joints().nth(number).is_some_and(|own| shared(scene, &own.sides) != [false; 2])
+            }
+            _ => false,
+        };
+        entries.extend(paths.into_iter().map(|path| Entry { path, kind, of, group: group.clone(), alone }));
     };
     for point in 0..scene.probe.len() {
         let paths = |of: Range<usize>| OF_POINT[of].iter().map(|name| format!("probe.{point}.{name}")).collect();
@@ -150,14 +164,28 @@ fn add_works(scene: &Scene, entries: &mut Vec<Entry>) {
 
 fn add_work(entries: &mut Vec<Entry>, of: Of, path: &str) {
     let group = entries.len()..entries.len() + 1;
-    entries.push(Entry { path: path.to_owned(), kind: Kind::Energy, of, group });
+    entries.push(Entry { path: path.to_owned(), kind: Kind::Energy, of, group, alone: false });
+}
+
+/// The strain energies of several bodies, behind the works.
+fn add_strain_of_bodies(scene: &Scene, entries: &mut Vec<Entry>) {
+    if has_strain_of_bodies(scene) {
+        let bodies = 0..scene.problem.bodies.len();
+        bodies.for_each(|body| add_work(entries, Of::Strain, &format!("bodies.{body}.strain_energy")));
+    }
 }
 
 /// The largest von Mises stress, behind the works.
 fn add_largest_stress(scene: &Scene, entries: &mut Vec<Entry>) {
     if has_largest_stress(scene) {
         let group = entries.len()..entries.len() + 1;
-        entries.push(Entry { path: MAX_VON_MISES.to_owned(), kind: Kind::Stress, of: Of::LargestStress, group });
+        entries.push(Entry {
+            path: MAX_VON_MISES.to_owned(),
+            kind: Kind::Stress,
+            of: Of::LargestStress,
+            group,
+            alone: true,
+        });
     }
 }
 
@@ -196,6 +224,7 @@ impl Bars {
         let Some((last, before)) = estimates.split_last() else { return Self::default() };
         let mut entries = entries(scene, reactions);
         add_works(scene, &mut entries);
+        add_strain_of_bodies(scene, &mut entries);
         add_largest_stress(scene, &mut entries);
         if last.quantities.len() != entries.len() {
             // of an altered file, or without any
@@ -210,7 +239,7 @@ impl Bars {
             let own = difference(&estimate.quantities[k]);
             let group = estimate.quantities[entries[k].group.clone()].iter().map(difference);
             // what nothing bears is zero, and not by accident
-            if own == 0.0 { 0.0 } else { own.max(OF_OTHERS * group.fold(0.0, f64::max)) }
+            if own == 0.0 || entries[k].alone { own } else { own.max(OF_OTHERS * group.fold(0.0, f64::max)) }
         };
         let weighted = |quantity: &EstimatedQuantity| {
             quantity.weighted.map(|[sum, of_ends]| (difference(quantity).max(OF_WEIGHTED * sum), of_ends))
@@ -219,7 +248,7 @@ impl Bars {
         let of = |(k, quantity): (usize, &EstimatedQuantity)| {
             let &EstimatedQuantity { value, enriched, .. } = quantity;
             let is_pressure = matches!(entries[k], Entry { of: Of::Named(_) | Of::Peak(_), kind: Kind::Stress, .. });
-            let of_sets = is_pressure || has_contact && entries[k].of == Of::LargestStress;
+            let of_sets = is_pressure || has_contact && (entries[k].of == Of::LargestStress || entries[k].alone);
             let wider = if of_sets { OF_PRESSURE } else { 1.0 };
             let before = before.map(|before| (before, &before.quantities[k])).filter(|(_, q)| q.value.is_finite());
             let uncertainty = match before {
@@ -260,8 +289,9 @@ impl Bars {
         scene: &Scene,
         reactions: &[(String, [f64; 2])],
         estimates: &[&Estimate],
-        mean: &[EstimatedQuantity],
+        over: &OverOutcomes,
     ) -> Self {
+        let mean = &over.quantities;
         let Some((last, before)) = estimates.split_last().filter(|(last, _)| last.quantities.len() == mean.len())
         else {
             return Self::default();
@@ -272,7 +302,12 @@ impl Bars {
         };
         let quantities = last.quantities.iter().zip(mean).map(with).collect();
         let last = Estimate { quantities, ..(*last).clone() };
-        Self::new(scene, reactions, &[before, &[&last]].concat())
+        let mut all = Self::new(scene, reactions, &[before, &[&last]].concat());
+        // outcomes tell the largest pressure of their nodes
+        for ((entry, [_, uncertainty]), mean) in all.entries.iter().zip(&mut all.values).zip(mean) {
+            *uncertainty += if entry.of == Of::Peak(None) { (over.peak - mean.enriched).abs() } else { 0.0 };
+        }
+        all
     }
 
     /// The values of a solution on a grid.

@@ -83,6 +83,11 @@ pub(crate) fn of_vertices(scene: &Scene, located: &[Located]) -> Option<f64> {
 /// Whether contact that reaches an end of an edge does so for certain: with a pressure there that is no small part of those beside it, and a
 /// gap without slope, or where the side goes on without a corner. Else a short piece beside the corner may be open that no node shows.
 pub(crate) fn ends_at_corners_are_known(scene: &Scene, rows: &[ContactRow]) -> bool {
+    unknown_at_corners(scene, rows).is_empty()
+}
+
+/// The edges, and their ends 0 or 1, that contact may or may not reach.
+pub(crate) fn unknown_at_corners(scene: &Scene, rows: &[ContactRow]) -> Vec<(usize, f64)> {
     let outline = &scene.problem.outline;
     let is_known = |(k, edge, contact): (usize, &Edge, &Contact), end: f64| {
         let (at, length) = (edge.point(end), edge.length());
@@ -103,7 +108,8 @@ pub(crate) fn ends_at_corners_are_known(scene: &Scene, rows: &[ContactRow]) -> b
     };
     let edges = outline.edges().iter().enumerate();
     let touching = edges.filter_map(|(k, edge)| Some((k, edge, scene.contact(edge.side)?)));
-    touching.flat_map(|own| [(own, 0.0), (own, 1.0)]).all(|(own, end)| is_known(own, end))
+    let ends = touching.flat_map(|own| [(own, 0.0), (own, 1.0)]);
+    ends.filter(|&(own, end)| !is_known(own, end)).map(|((edge, ..), end)| (edge, end)).collect()
 }
 
 /// Whether a support at an end of an edge holds its tangent alone: the edge goes on as its mirror image.

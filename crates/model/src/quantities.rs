@@ -99,7 +99,14 @@ pub(crate) fn has_largest_stress(scene: &Scene) -> bool {
 
 /// Whether quantities of a scene need the tractions of the enriched spaces.
 pub(crate) fn needs_tractions(scene: &Scene) -> bool {
-    !scene.probe.is_empty() || !scene.quantities.is_empty() || has_contact(scene)
+    !scene.probe.is_empty() || !scene.quantities.is_empty() || has_contact(scene) || shares_forces(scene)
+}
+
+/// Whether two sides share a force at a corner.
+fn shares_forces(scene: &Scene) -> bool {
+    let sides = (0..scene.problem.sides.len()).filter(|&side| is_known(scene, side)).map(|side| vec![side]);
+    let between = forces_between(scene).map(|(_, interface)| interface.sides.clone());
+    sides.chain(between).any(|sides| shared(scene, &sides) != [false; 2])
 }
 
 /// Whether a scene has contact with biorthogonal multipliers, whose largest pressure is a quantity.
@@ -257,6 +264,10 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
     }
     // a short piece beside a corner may be open
     let known_at_corners = ends_at_corners_are_known(scene, told.rows);
+    // on a grid how much of a corner is whose is not known
+    let is_unknown = |shared: bool, value: f64, uncertainty: f64| {
+        shared && (scene.is_on_grid() || !known_at_corners) || !(value.is_finite() && uncertainty.is_finite())
+    };
     let first = all.entries.iter().position(|entry| matches!(entry.of, Of::Named(_))).unwrap_or(0);
     for (k, (entry, &[value, uncertainty])) in all.entries.iter().zip(&all.values).enumerate() {
         let mut quantity = with(value, uncertainty);
@@ -280,7 +291,7 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
             }
             Of::Reactions => continue,
             Of::LargestStress if !(value.is_finite() && uncertainty.is_finite()) => continue,
-            Of::LargestStress => {}
+            Of::LargestStress | Of::Strain => {}
             Of::Friction if !(known_at_corners && value.is_finite()) => continue,
             Of::Friction => {}
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {
@@ -304,20 +315,20 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                 }
             }
             Of::Force(side) => {
-                if shared(scene, &[side])[k - entry.group.start] {
+                if is_unknown(shared(scene, &[side])[k - entry.group.start], value, uncertainty) {
                     continue;
                 }
             }
             Of::Interface(number) => {
                 let sides = scene.problem.joints().nth(number).map_or(&[][..], |interface| &interface.sides);
-                if shared(scene, sides)[k - entry.group.start] {
+                if is_unknown(shared(scene, sides)[k - entry.group.start], value, uncertainty) {
                     continue;
                 }
             }
             Of::Named(of) => {
                 let NamedQuantity { name, kind } = &scene.quantities[of];
                 if let Some((side, w)) = kind.weighted_side()
-                    && !(is_known(scene, side) && works_alone(scene, side, w))
+                    && (!is_known(scene, side) || is_unknown(!works_alone(scene, side, w), value, uncertainty))
                 {
                     continue;
                 }
@@ -337,6 +348,7 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         }
         quantities.insert(entry.path.clone(), quantity);
     }
+    of_shared_forces(scene, &mut quantities);
     of_energies(scene, &mut quantities, (all, known_at_corners), told.parts_of_energy);
     of_carrying_sides(scene, &mut quantities, told.reactions);
     if let Some(force) = told.force {
@@ -349,6 +361,23 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         quantities.insert(format!("interfaces.{number}.max_pressure"), peak);
     }
     quantities
+}
+
+/// Gives forces of sides and interfaces that share corners the largest error bar of all of them, along x and along y: what one has too much
+/// another one lacks.
+fn of_shared_forces(scene: &Scene, quantities: &mut Quantities) {
+    let of_side = |side: usize| (format!("reactions.{}", scene.problem.sides[side].name), shared(scene, &[side]));
+    let of_interface =
+        |(number, own): (usize, &Interface)| (format!("interfaces.{number}.force"), shared(scene, &own.sides));
+    let sides = (0..scene.problem.sides.len()).map(of_side);
+    let all: Vec<(String, [bool; 2])> = sides.chain(forces_between(scene).map(of_interface)).collect();
+    for (i, component) in ["x", "y"].into_iter().enumerate() {
+        let paths = || all.iter().filter(|(_, shared)| shared[i]).map(|(path, _)| format!("{path}.{component}"));
+        let largest = paths().filter_map(|path| Some(quantities.get(&path)?.uncertainty)).fold(0.0, f64::max);
+        for path in paths() {
+            quantities.entry(path).and_modify(|own| own.uncertainty = largest);
+        }
+    }
 }
 
 /// Gives strain energy E and load work L error bars by those of J, of the work of reactions R and of that against friction F, of the

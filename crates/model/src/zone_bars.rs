@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! an end of a zone     1.2 max(|δ_k|, |δ_{k-1}| E_k/E_{k-1}) + 0.3 |δ_k|          δ_k its shift from its vertex at step k, E the estimate
-//! a length             Σ over its ends
+//! a length             Σ over its ends, and to the next node of corners that contact may or may not reach
 //! on a grid            Σ over its ends of the distance of the nodes about them
 //! ```
 //! Vertices follow the fits, so that δ_k is the change of the end since the step before. Under Coulomb's law, where the fit does not know the
@@ -10,13 +10,14 @@
 //! before count whole. A zone of stick that reaches an end of contact, a
 //! corner or a reversal of slip has no bar: the slip between them is narrower than what nodes see.
 
+use steklov_bem_operators::Edge;
 use steklov_contact::{Located, TipKind};
 use steklov_elastic::plane::distance;
 use steklov_problem::{Friction, Scene};
 
 use crate::answer::report::{sticks, zones};
 use crate::bars::{OF_CHANGE, OF_DIFFERENCE, ROUNDED};
-use crate::contact_length::{ends_at_corners_are_known, is_symmetric};
+use crate::contact_length::{is_symmetric, unknown_at_corners};
 use crate::refine::transitions::zone;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, TOUCHING, Trace};
@@ -62,6 +63,8 @@ pub(crate) struct Zones<'a> {
     /// Where zones end, and how far each end may be off.
     pub(crate) located: &'a [Located],
     pub(crate) off: &'a [f64],
+    /// Whether the solution is exact.
+    pub(crate) is_exact: bool,
 }
 
 impl Zones<'_> {
@@ -71,16 +74,17 @@ impl Zones<'_> {
         let of_sides = |end: &Located| sides.contains(&edges[end.edge].side);
         let own: Vec<ContactRow> = self.rows.iter().filter(|row| sides.contains(&row.side)).copied().collect();
         let largest = |rows: &[ContactRow]| rows.iter().fold(0.0, |largest: f64, row| largest.max(row.pressure));
-        if largest(&own) == 0.0 || !ends_at_corners_are_known(self.scene, &own) {
+        if largest(&own) == 0.0 {
             return [None; 2];
         }
+        let at_corners = if self.is_exact { 0.0 } else { self.off_at_corners(&own) };
         let located: Vec<Located> = self.located.iter().filter(|end| of_sides(end)).copied().collect();
         let contact = (self.contact, sides, largest(self.rows));
         let [length, stick] = zones(self.scene, self.trace, contact, Some(&located)).map(|zone| Some(zone?.0));
         let Some(length) = length else { return [None; 2] };
         let bar = |kind: TipKind| {
             let ends = self.located.iter().zip(self.off).filter(|(end, _)| of_sides(end) && end.kind == kind);
-            ends.map(|(_, off)| off).sum::<f64>().max(ROUNDED * length)
+            (ends.map(|(_, off)| off).sum::<f64>() + at_corners).max(ROUNDED * length)
         };
         let stick = if sides.iter().any(|&side| rubs(self.scene, side)) {
             stick.filter(|_| self.slips_beside_ends(&own, &located)).map(|stick| [stick, bar(TipKind::StickEnd)])
@@ -88,6 +92,19 @@ impl Zones<'_> {
             Some([0.0; 2])
         };
         [Some([length, bar(TipKind::ContactEnd)]), stick]
+    }
+
+    /// The distances of the nodes next to the corners that contact may or may not reach.
+    fn off_at_corners(&self, rows: &[ContactRow]) -> f64 {
+        let edges = self.scene.problem.outline.edges();
+        let next = |(edge, end): (usize, f64)| {
+            let at = edges[edge].point(end);
+            let own = rows.iter().filter(|row| row.side == edges[edge].side);
+            let mut all: Vec<f64> = own.map(|row| distance(row.point, at)).collect();
+            all.sort_by(f64::total_cmp);
+            all.get(1).copied().unwrap_or_else(|| edges[edge].length())
+        };
+        unknown_at_corners(self.scene, rows).into_iter().map(next).sum()
     }
 
     /// How far each of these ends of contact may be off, x and y; none of one that is not located.
@@ -134,18 +151,16 @@ pub(crate) fn rubs(scene: &Scene, side: usize) -> bool {
 /// The status of a row that sticks.
 const STICKS: usize = 1;
 
-/// The lengths in contact and in stick of all contact by the nodes of elements of degree 1, with their uncertainties: each end is off by the
-/// distance of the nodes about it at most, and contact that reaches a corner by that of the last ones where it is not known to press there.
+/// The lengths in contact and in stick of all contact by nodes, with their uncertainties: each end is off by the distance of the nodes about it
+/// at most, and contact that reaches a corner by that of the last ones, if it is not known to press there.
 pub(crate) fn lengths_of_nodes(
-    scene: &Scene,
     trace: Trace<'_>,
-    contact: &ContactResult,
-    rows: &[ContactRow],
+    (contact, rows): (&ContactResult, &[ContactRow]),
+    edges: &[Edge],
+    known_at_corners: bool,
 ) -> [[f64; 2]; 2] {
-    let known_at_corners = ends_at_corners_are_known(scene, rows);
     let largest = rows.iter().fold(0.0, |largest: f64, row| largest.max(row.pressure));
     let lines = contact.boundary.lines(trace.mesh, trace.space);
-    let edges = scene.problem.outline.edges();
     [false, true].map(|stick| {
         let is_in =
             |k: usize| rows[k].pressure > TOUCHING * largest && (!stick || sticks(rows[k].shear, rows[k].bound));
@@ -157,10 +172,11 @@ pub(crate) fn lengths_of_nodes(
                 let [a, b] = [0, 1].map(|k| (pair[k].index, pair[k].s));
                 off += if is_in(a.0) == is_in(b.0) { 0.0 } else { (b.1 - a.1) * edges[line.edge].length() };
             }
-            let ends = [line.points.first(), line.points.last()].into_iter().flatten();
-            off += ends
-                .filter(|end| is_in(end.index) && !known_at_corners)
-                .map(|end| 2.0 * rows[end.index].weight)
+            let [first, last] = [line.points.windows(2).next(), line.points.windows(2).next_back()];
+            let at_ends = [first.map(|pair| (pair, 0)), last.map(|pair| (pair, 1))].into_iter().flatten();
+            off += at_ends
+                .filter(|(pair, end)| is_in(pair[*end].index) && !known_at_corners)
+                .map(|(pair, _)| (pair[1].s - pair[0].s) * edges[line.edge].length())
                 .sum::<f64>();
         }
         [length, off.max(ROUNDED * length)]

@@ -113,6 +113,10 @@ impl Duals<'_> {
             load.add(1.0, &own);
             tops.push((*piece, top));
         }
+        if let Some((piece, own, top)) = &functional.of_energy {
+            load.add(1.0, own);
+            tops.push((*piece, top.clone()));
+        }
         // nodes of cuts are behind those of the boundary
         let mut w = functional.of_forces.clone();
         if !w.is_empty() {

@@ -198,6 +198,29 @@ impl<'a> Elastic<'a> {
         body.outside.is_some().then_some(body.pieces.len())
     }
 
+    /// The nodal displacement of a part, and what a correction of all makes of it.
+    pub(crate) fn with_correction(&self, part: usize, correction: &Enriched) -> Enriched {
+        let own = &self.parts[part];
+        let base = own.place.base(&correction.base).iter().zip(&own.u).map(|(e, u)| u + e).collect();
+        Enriched { base, extra: own.extra(&correction.extra) }
+    }
+
+    /// S₊v of a part, given S times the base part of v.
+    pub(crate) fn forces_of(&self, part: usize, v: &Enriched, stiff: Vec<f64>) -> Enriched {
+        let Part { enriched, modulus, .. } = &self.parts[part];
+        let Enriched { base, extra } = enriched.multiply(v, &vec![0.0; v.base.len()]);
+        let base = stiff.iter().zip(base).map(|(s, own)| s + modulus * own).collect();
+        Enriched { base, extra: extra.into_iter().map(|own| modulus * own).collect() }
+    }
+
+    /// The loads of the dual problem of ⟨S₊u, v⟩ of a part, v of the base, given Sv: on nodes and bubbles, and on top tractions.
+    pub(crate) fn dual_load_of_forces(&self, part: usize, v: &[f64], stiff: &[f64]) -> (Enriched, Vec<f64>) {
+        let (own, mut all) = (&self.parts[part], self.zero());
+        own.add_base(&mut all.base, stiff.iter().map(|s| s / own.modulus).collect());
+        own.add_extra(&mut all.extra, &own.enriched.bubble_force(v));
+        (all, own.enriched.traction_residual(v))
+    }
+
     /// S₊ of the medium times bubbles.
     pub(crate) fn forces_of_medium(&self, medium: usize, bubbles: &[f64]) -> Enriched {
         let own = Enriched { base: vec![0.0; 2 * self.nodes], extra: bubbles.to_vec() };

@@ -12,6 +12,7 @@ use steklov_bem_operators::{BoundaryField, Enriched, Inside, Raised};
 use steklov_contact::{ContactBubble, Tip};
 use steklov_coupling::{MediumField, Radiation};
 use steklov_elastic::RigidMotion;
+use steklov_elastic::plane::{dot, minus};
 use steklov_problem::{Condition, NamedQuantity, Scene};
 
 use crate::answer::interfaces::{force_of, sign_of};
@@ -27,7 +28,9 @@ use crate::estimate::elastic::Elastic;
 use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame};
 use crate::estimate::functionals::{LinearFunctional, has_duals};
 use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
+use crate::estimate::strain_of_bodies::{has_strain_of_bodies, strain_of_bodies, work_on_jump};
 use crate::quantities::{self, At, EstimatedQuantity, has_largest_stress};
+use crate::reacting::{shared, works_alone};
 use crate::solve::body::{Body, Factors};
 use crate::solve::contact_rows::contact_rows;
 use crate::solve::fields::{ElasticField, Field};
@@ -67,7 +70,8 @@ pub(crate) fn both(
     change.iter_mut().zip(&right.base).for_each(|(force, r)| *force -= r);
     let mut both: Vec<[f64; 2]> = Vec::new();
     let field = field(body, (solved, factors), system.elastic, &correction);
-    let around = of_jump.and_then(|(_, jump)| medium_field(body, factors, system.elastic, (&correction, &jump)));
+    let around =
+        of_jump.as_ref().and_then(|(_, jump)| medium_field(body, factors, system.elastic, (&correction, jump)));
     let plus = field.as_ref().map(|field| ElasticField { field, ..solved.elastic_field() });
     let pair = |value: Vec<f64>, plus: Vec<f64>| value.into_iter().zip(plus).map(|(value, plus)| [value, plus]);
     if let Some(plus) = &plus {
@@ -82,17 +86,17 @@ pub(crate) fn both(
         let value = quantities::at_points(scene, &solved.elastic_field(), before.as_ref().map(|at| at as &At<'_>));
         both.extend(pair(value, quantities::at_points(scene, plus, after.as_ref().map(|at| at as &At<'_>))));
     }
-    for (force, side) in quantities::forces(scene, &solved.reactions) {
-        let gained = data.change_of_force(&[side], &change);
-        both.extend([0, 1].map(|i| [force[i], force[i] + gained[i]]));
-    }
-    for (_, interface) in quantities::forces_between(scene) {
-        let (force, sign) = (force_of(scene, interface, solved), sign_of(interface));
-        let gained = data.change_of_force(&interface.sides, &change);
+    let fields = plus.as_ref().map(|plus| [solved.elastic_field(), *plus]);
+    let mut add_force = |force: [f64; 2], sign: f64, sides: &[usize]| {
+        let gained = data.change_of_force(sides, &change, fields.as_ref());
         both.extend([0, 1].map(|i| [force[i], force[i] + sign * gained[i]]));
+    };
+    quantities::forces(scene, &solved.reactions).for_each(|(force, side)| add_force(force, 1.0, &[side]));
+    for (_, interface) in quantities::forces_between(scene) {
+        add_force(force_of(scene, interface, solved), sign_of(interface), &interface.sides);
     }
     if let Some(plus) = &plus {
-        let works = data.works_with(&solved.works, &change);
+        let works = data.works_with(&solved.works, &change, &[solved.elastic_field(), *plus]);
         both.extend(pair(data.named(&solved.elastic_field(), &solved.works), data.named(plus, &works)));
     }
     let most_pressed = |peak| data.most_pressed(plus.as_ref()?, |side| quantities::is_of_peak(scene, peak, side));
@@ -112,13 +116,28 @@ pub(crate) fn both(
         if with_duals { data.functionals(solved, (field.as_ref(), around.as_ref()), &peaks) } else { Vec::new() };
     functionals.resize(both.len(), None);
     if has_reaction_work(scene) {
-        let prescribed = data.prescribed(solved);
-        both.push(data.reaction_work(solved, &prescribed, &change)?);
-        functionals.push(with_duals.then(|| LinearFunctional { of_forces: prescribed, ..LinearFunctional::default() }));
+        let of_jump =
+            of_jump.as_ref().map_or(Ok(None), |(_, jump)| work_on_jump(data, solved, duals, (&correction, jump)))?;
+        let (works, slope) = match of_jump {
+            Some(own) => own,
+            None => {
+                let prescribed = data.prescribed(solved, body);
+                let works = data.reaction_work(solved, &prescribed, &change)?;
+                (works, LinearFunctional { of_forces: prescribed, ..LinearFunctional::default() })
+            }
+        };
+        both.push(works);
+        functionals.push(with_duals.then_some(slope));
     }
     if has_friction_work(scene) {
         both.push(data.friction_work((solved, factors), bubbles, &correction, &change)?);
         functionals.push(None);
+    }
+    if has_strain_of_bodies(scene) {
+        for (strain, slope) in strain_of_bodies(data, solved, duals, &correction) {
+            both.push(strain);
+            functionals.push(with_duals.then_some(slope));
+        }
     }
     if has_largest_stress(scene) {
         both.push(largest.map_or([f64::NAN; 2], |(own, _)| own));
@@ -151,7 +170,8 @@ fn is_known(scene: &Scene, solved: &Solved) -> bool {
     let decays = |body: usize| scene.problem.radiation(body).is_none_or(|radiation| radiation == Radiation::Decaying);
     let bounded = (0..scene.problem.bodies.len()).all(decays);
     let of_forces = quantities::forces(scene, &solved.reactions).next().is_some();
-    let asked = quantities::needs_tractions(scene) || of_forces || quantities::forces_between(scene).next().is_some();
+    let of_bodies = quantities::forces_between(scene).next().is_some() || has_strain_of_bodies(scene);
+    let asked = quantities::needs_tractions(scene) || of_forces || of_bodies || has_reaction_work(scene);
     asked && bounded && solved.around.as_ref().is_none_or(|around| around.radiation == Radiation::Decaying)
 }
 
@@ -243,15 +263,37 @@ impl OnMesh<'_> {
         self.elements_of(side).flat_map(|e| self.space.element_nodes(e)).collect()
     }
 
-    /// The change of the force of sides by that of the nodal forces.
-    fn change_of_force(&self, sides: &[usize], change: &[f64]) -> [f64; 2] {
-        let on_sides = self.on_sides(sides, |_| [1.0; 2]);
-        let sum = |i: usize| on_sides.chunks_exact(2).zip(change.chunks_exact(2)).map(|(w, f)| w[i] * f[i]).sum();
-        [0, 1].map(sum)
+    /// The change of the force of sides by that of the nodal forces; of components of which other sides have a part at a corner by that of the
+    /// tractions between two fields, NaN without them.
+    fn change_of_force(&self, sides: &[usize], change: &[f64], fields: Option<&[ElasticField<'_>; 2]>) -> [f64; 2] {
+        let (on_sides, shared) = (self.on_sides(sides, |_| [1.0; 2]), shared(self.scene, sides));
+        let of_tractions = |i: usize| {
+            let along = |_| [0, 1].map(|k| f64::from(u8::from(i == k)));
+            fields.map_or(f64::NAN, |fields| self.change_of_tractions(fields, sides, along))
+        };
+        let of_nodes = |i: usize| on_sides.chunks_exact(2).zip(change.chunks_exact(2)).map(|(w, f)| w[i] * f[i]).sum();
+        [0, 1].map(|i| if shared[i] { of_tractions(i) } else { of_nodes(i) })
+    }
+
+    /// ∫ w·(t₊ - t) over sides, of the tractions of two fields.
+    fn change_of_tractions(
+        &self,
+        [field, plus]: &[ElasticField<'_>; 2],
+        sides: &[usize],
+        w: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> f64 {
+        let mut work = 0.0;
+        for e in sides.iter().flat_map(|&side| self.elements_of(side)) {
+            self.integrate(e, |t, ds| {
+                let (own, more) = (field.traction(e, t), plus.traction(e, t));
+                work += ds * dot(w(self.mesh.point(e, t)), minus(more, own));
+            });
+        }
+        work
     }
 
     /// The moments and weighted forces of the nodal forces with their change.
-    fn works_with(&self, works: &[f64], change: &[f64]) -> Vec<f64> {
+    fn works_with(&self, works: &[f64], change: &[f64], fields: &[ElasticField<'_>; 2]) -> Vec<f64> {
         let mut works = works.iter().copied();
         let with = |quantity: &NamedQuantity| {
             let (side, w) = quantity.kind.weighted_side()?;
@@ -259,7 +301,9 @@ impl OnMesh<'_> {
             if !self.is_balanced(side) {
                 return Some(work);
             }
-            let gained: f64 = self.on_sides(&[side], w).iter().zip(change).map(|(w, f)| w * f).sum();
+            let of_nodes = || self.on_sides(&[side], &w).iter().zip(change).map(|(w, f)| w * f).sum();
+            let alone = works_alone(self.scene, side, &w);
+            let gained: f64 = if alone { of_nodes() } else { self.change_of_tractions(fields, &[side], &w) };
             Some(work + gained)
         };
         self.scene.quantities.iter().filter_map(with).collect()

@@ -3,7 +3,7 @@
 //! A force or moment by balance is Σ w·(Su - f) over nodes: its dual solution is the displacement that is w where something holds the body.
 //! A length of contact has no functional here.
 
-use steklov_bem_operators::{Functional, Location, Trace};
+use steklov_bem_operators::{Enriched, Functional, Location, Trace};
 use steklov_contact::Tip;
 use steklov_coupling::MediumField;
 use steklov_problem::{Friction, QuantityKind, Scene, Surfaces};
@@ -14,7 +14,7 @@ use crate::data::on_mesh::OnMesh;
 use crate::estimate::contact_ends::ContactEnd;
 use crate::named::elements_at;
 use crate::quantities;
-use crate::reacting::reacting;
+use crate::reacting::{reacting, shared, works_alone};
 use crate::solve::fields::Field;
 use crate::solve::solution::Solved;
 
@@ -25,6 +25,8 @@ pub(crate) struct LinearFunctional {
     pub(crate) of_fields: Vec<(usize, Functional)>,
     /// w, two for each node; empty for none.
     pub(crate) of_forces: Vec<f64>,
+    /// Of the displacements and bubbles of all, and of the top tractions of a piece: the number of the piece, and both.
+    pub(crate) of_energy: Option<(usize, Enriched, Vec<f64>)>,
 }
 
 /// A trace of weights that are zero.
@@ -61,7 +63,11 @@ impl OnMesh<'_> {
         let forces = quantities::forces(scene, &solved.reactions);
         let forces = forces.map(|(_, side)| vec![side]);
         let between = quantities::forces_between(scene).map(|(_, interface)| interface.sides.clone());
-        let of_sides = |sides: Vec<usize>| [0, 1].map(|i| Some(self.of_forces(&sides, |_| along(i))));
+        // how much of a corner is whose is known to no dual problem
+        let of_sides = |sides: Vec<usize>| {
+            let shared = shared(scene, &sides);
+            [0, 1].map(|i| (!shared[i]).then(|| self.of_forces(&sides, |_| along(i))))
+        };
         let forces = forces.chain(between).flat_map(of_sides);
         let Some(field) = field else { return forces.collect() };
         let mut all: Vec<Option<LinearFunctional>> = Vec::new();
@@ -80,7 +86,8 @@ impl OnMesh<'_> {
                 }
                 QuantityKind::MeanDisplacement(side) => all.extend(self.of_mean(field, side).map(Some)),
                 QuantityKind::Moment { .. } | QuantityKind::WeightedForce { .. } => {
-                    let balanced = quantity.kind.weighted_side().filter(|(side, _)| self.is_balanced(*side));
+                    let balanced = quantity.kind.weighted_side();
+                    let balanced = balanced.filter(|(side, w)| self.is_balanced(*side) && works_alone(scene, *side, w));
                     all.push(balanced.map(|(side, w)| self.of_forces(&[side], w)));
                 }
                 QuantityKind::OpeningAt(x) => all.push(self.of_opening(field, x)),

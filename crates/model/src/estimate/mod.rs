@@ -17,4 +17,5 @@ pub(crate) mod reaction_work;
 pub mod residual;
 pub(crate) mod rotation_work;
 pub(crate) mod rounding;
+pub(crate) mod strain_of_bodies;
 pub(crate) mod unseen;

@@ -23,14 +23,26 @@ const OF_PARTS: f64 = 0.5;
 /// Whether the work of reactions of boundary elements is a quantity: where displacements or gaps may be prescribed, and known.
 pub(crate) fn has_reaction_work(scene: &Scene) -> bool {
     let problem = &scene.problem;
-    let jumps = |law: &Law| matches!(law, Law::Tied(tie) if tie.displacement_jump.is_some());
     let touches = scene.contacts().next().is_some();
+    let jumps = !scene.is_on_grid() && jumps(scene);
     let moves = problem.sides.iter().any(|side| match &side.condition {
         Condition::Displacement { values, .. } => values.iter().flatten().any(|value| value.constant() != Some(0.0)),
         _ => false,
     });
     let known = !(touches && scene.method.multiplier == Multiplier::Stabilised);
-    known && (touches || moves) && !problem.interfaces().iter().any(|interface| jumps(&interface.law))
+    known && (touches || moves || jumps) && (jumps || !is_tied_with_a_jump(scene))
+}
+
+/// Whether a displacement jumps between tied bodies: by the jump of the scene, or as that of a medium is without its remote stress.
+fn jumps(scene: &Scene) -> bool {
+    let remote = scene.far().is_some_and(|far| far.remote_stress != [0.0; 3]);
+    let tied = scene.problem.interfaces().iter().any(|interface| matches!(interface.law, Law::Tied(_)));
+    is_tied_with_a_jump(scene) || remote && tied
+}
+
+fn is_tied_with_a_jump(scene: &Scene) -> bool {
+    let has_jump = |law: &Law| matches!(law, Law::Tied(tie) if tie.displacement_jump.is_some());
+    scene.problem.interfaces().iter().any(|interface| has_jump(&interface.law))
 }
 
 /// Whether the work against friction is a quantity: where something may slip.
@@ -57,37 +69,62 @@ impl Body {
 }
 
 impl OnMesh<'_> {
-    /// What is prescribed at the nodes, two for each: displacements of supports, and along normals gaps of pressed nodes; else zero.
-    pub(crate) fn prescribed(&self, solved: &Solved) -> Vec<f64> {
-        let problem = &self.scene.problem;
+    /// What is prescribed at the nodes, two for each, where nothing else is displaced: displacements of supports, along normals gaps of
+    /// pressed nodes, and jumps of ties; else zero.
+    pub(crate) fn prescribed(&self, solved: &Solved, body: &Body) -> Vec<f64> {
+        // the energies of an unbounded body are those of the field without the particular solution
+        let remote = self.remote_displacement(solved);
         let mut prescribed = vec![0.0; self.space.dofs()];
+        for (index, side) in self.scene.problem.sides.iter().enumerate() {
+            for dof in self.nodes_of(index).into_iter().flat_map(|node| [0, 1].map(|i| (2 * node + i, i))) {
+                if side.holds(dof.1) {
+                    prescribed[dof.0] = solved.displacement[dof.0] - remote[dof.0];
+                }
+            }
+        }
         if let Some(contact) = &solved.contact {
-            let relative = contact.boundary.relative(&solved.displacement);
+            let [all, of_supports, of_remote] =
+                [&solved.displacement, &prescribed, &remote].map(|u| contact.boundary.relative(u));
             let mut multipliers = contact.solution.multipliers.iter();
             for node in &contact.boundary.nodes {
                 let own = multipliers.by_ref().take(node.conditions.len());
                 let pressed = own.fold(false, |any, [pressure, _]| any | (*pressure > 0.0));
-                let u = [relative[2 * node.node], relative[2 * node.node + 1]];
+                let dofs = [2 * node.node, 2 * node.node + 1];
+                let u = dofs.map(|dof| all[dof]);
                 let gap = match &node.conditions[..] {
-                    _ if !pressed => [0.0; 2],
+                    _ if !pressed => continue,
                     [one] => one.normal.map(|n| n * dot(u, one.normal)),
                     _ => u,
                 };
-                prescribed[2 * node.node..2 * node.node + 2].copy_from_slice(&gap);
-            }
-        }
-        for (index, side) in problem.sides.iter().enumerate() {
-            // the energies of an unbounded body are those of the field without the particular solution
-            let unbounded = problem.bodies[problem.body_of_side(index)].far.is_some();
-            let remote = self.particular_of_side(&solved.particular, index).filter(|_| unbounded);
-            for node in self.nodes_of(index) {
-                let of_remote = remote.map_or([0.0; 2], |remote| remote.displacement(self.space.points[node]));
-                for i in (0..2).filter(|&i| side.holds(i)) {
-                    prescribed[2 * node + i] = solved.displacement[2 * node + i] - of_remote[i];
+                for (i, dof) in
+                    dofs.into_iter().enumerate().filter(|(_, dof)| body.held[dof / 2].components[dof % 2].is_none())
+                {
+                    prescribed[dof] = gap[i] - of_remote[dof] - of_supports[dof];
                 }
             }
         }
+        let mut whole: Vec<f64> = prescribed.iter().zip(&remote).map(|(own, remote)| own + remote).collect();
+        // each comes before those of nodes that it faces
+        for tied in body.tied.iter().rev() {
+            whole[tied.dof] = 0.0;
+            whole[tied.dof] = tied.jump - tied.relative.of(&whole);
+            prescribed[tied.dof] = whole[tied.dof] - remote[tied.dof];
+        }
         prescribed
+    }
+
+    /// The displacement of the remote stress at the nodes of unbounded bodies, two for each; else zero.
+    fn remote_displacement(&self, solved: &Solved) -> Vec<f64> {
+        let problem = &self.scene.problem;
+        let mut remote = vec![0.0; self.space.dofs()];
+        let unbounded = |&side: &usize| problem.bodies[problem.body_of_side(side)].far.is_some();
+        for side in (0..problem.sides.len()).filter(unbounded) {
+            let Some(of_side) = self.particular_of_side(&solved.particular, side) else { continue };
+            for node in self.nodes_of(side) {
+                remote[2 * node..2 * node + 2].copy_from_slice(&of_side.displacement(self.space.points[node]));
+            }
+        }
+        remote
     }
 
     /// R of a solution and of the enriched spaces, which change the forces at nodes so.

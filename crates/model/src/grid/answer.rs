@@ -177,7 +177,7 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         near: Vec::new(),
         bars: Bars::on_grid(scene, solved),
         largest_stress: None,
-        over_outcomes: solved.over_outcomes.clone().map(|bars| OfMeans { bars, energy: None }),
+        over_outcomes: solved.over_outcomes.clone().map(|bars| OfMeans { bars, energy: None, lengths: None }),
         lines: probes::lines(scene, |spot, x| solved.at_spot(spot, x)),
         sides: solved.along_sides(scene, &scene.probe_sides),
         grid: Some(grid_summary(solved)),

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use steklov_contact::Kkt;
-use steklov_problem::{Scene, Solver, facets};
+use steklov_problem::{Law, Scene, Solver, facets};
 
 use crate::answer::probes;
 use crate::answer::report::contact_summary;
 use crate::answer::singular_points;
 use crate::answer::small_strain::is_large;
+use crate::bars::ROUNDED;
 use crate::contact_length::{ends_at_corners_are_known, of_vertices};
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
@@ -54,35 +55,71 @@ fn add_lengths(quantities: &mut Quantities, zones: Zones<'_>, doubts: &[String])
     }
 }
 
-/// Adds the coordinates of the ends of contact that are located.
-fn add_ends(quantities: &mut Quantities, zones: Zones<'_>, ends: &[[f64; 2]], doubts: &[String]) {
+/// Adds the coordinates of the ends of contact that are located, of all contact or of an interface.
+fn add_ends(quantities: &mut Quantities, zones: Zones<'_>, (of, ends): (&str, &[[f64; 2]]), doubts: &[String]) {
     for (k, (end, off)) in ends.iter().zip(zones.ends(ends)).enumerate() {
         for (i, uncertainty) in off.into_iter().flatten().enumerate() {
             let quantity = Quantity { value: end[i], uncertainty, doubts: doubts.to_vec(), parts: BTreeMap::new() };
-            quantities.insert(format!("contact.ends.{k}.{}", ["x", "y"][i]), quantity);
+            quantities.insert(format!("{of}.ends.{k}.{}", ["x", "y"][i]), quantity);
         }
     }
 }
 
-/// Adds the lengths of all contact, stick and slip on a grid.
+/// Adds the lengths of ties, which the geometry gives.
+fn add_lengths_of_ties(quantities: &mut Quantities, scene: &Scene, interfaces: &[InterfaceSummary]) {
+    for (number, (own, told)) in scene.problem.joints().zip(interfaces).enumerate() {
+        if matches!(own.law, Law::Tied(_)) {
+            let (value, uncertainty) = (told.length, ROUNDED * told.length);
+            let quantity = Quantity { value, uncertainty, doubts: Vec::new(), parts: BTreeMap::new() };
+            quantities.insert(format!("interfaces.{number}.length"), quantity);
+        }
+    }
+}
+
+/// Adds lengths of contact, stick and slip with their uncertainties.
+fn add_all_lengths(quantities: &mut Quantities, lengths: [(f64, f64); 3], doubts: &[String]) {
+    for (name, (value, uncertainty)) in ["length", "stick", "slip"].into_iter().zip(lengths) {
+        let quantity = Quantity { value, uncertainty, doubts: doubts.to_vec(), parts: BTreeMap::new() };
+        quantities.insert(format!("contact.{name}"), quantity);
+    }
+}
+
+/// Adds the lengths of all contact, stick and slip that nodes tell: on a grid, and where meshes do not follow the ends of contact; else the
+/// length of contact with the error bar of nodes where there is no other one.
 fn add_lengths_of_nodes(
     quantities: &mut Quantities,
     scene: &Scene,
     (trace, contact, rows): (Trace<'_>, &ContactResult, &[ContactRow]),
+    (told, by_nodes, known_at_corners): (&ContactSummary, bool, bool),
     doubts: &[String],
 ) {
-    let [[length, of_length], stick] = lengths_of_nodes(scene, trace, contact, rows);
+    let edges = scene.problem.outline.edges();
+    let [[length, of_length], stick] = lengths_of_nodes(trace, (contact, rows), edges, known_at_corners);
     // a body may touch between the nodes
-    if length == 0.0 {
+    if length == 0.0 || !by_nodes && quantities.contains_key("contact.length") {
+        return;
+    }
+    if !by_nodes {
+        let uncertainty = of_length + (told.length - length).abs();
+        let quantity = Quantity { value: told.length, uncertainty, doubts: doubts.to_vec(), parts: BTreeMap::new() };
+        quantities.insert("contact.length".to_owned(), quantity);
         return;
     }
     let [stick, of_stick] = if scene.contacts().any(|(side, _)| rubs(scene, side)) { stick } else { [0.0; 2] };
-    let all =
-        [("length", length, of_length), ("stick", stick, of_stick), ("slip", length - stick, of_length + of_stick)];
-    for (name, value, uncertainty) in all {
-        let quantity = Quantity { value, uncertainty, doubts: doubts.to_vec(), parts: BTreeMap::new() };
-        quantities.insert(format!("contact.{name}"), quantity);
-    }
+    let all = [(length, of_length), (stick, of_stick), (length - stick, of_length + of_stick)];
+    add_all_lengths(quantities, all, doubts);
+}
+
+/// Adds those in the mean over outcomes, which tell the lengths of their nodes.
+fn add_lengths_of_outcomes(
+    of_mesh: &mut Quantities,
+    scene: &Scene,
+    (told, [of_length, of_stick]): (&ContactSummary, [f64; 2]),
+    doubts: &[String],
+) {
+    let of_stick = if scene.contacts().any(|(side, _)| rubs(scene, side)) { of_stick } else { 0.0 };
+    let all = [(told.length, of_length), (told.stick, of_stick), (told.slip, of_length + of_stick)];
+    add_all_lengths(of_mesh, all, doubts);
 }
 
 /// The numbers of a run, and the contact table.
@@ -155,22 +192,35 @@ pub fn answer<M: Model>(
         doubts: &doubts,
     };
     let mut of_means = Quantities::new();
-    if let (Some(result), Some(OfMeans { bars, energy })) = (outcomes, &report.over_outcomes) {
-        let told = Told { energy: (0.0, *energy), length: None, ..told };
-        of_means = stochastic::with_bars(result, &quantities(scene, bars, told));
+    if let (Some(result), Some(OfMeans { bars, energy, lengths })) = (outcomes, &report.over_outcomes) {
+        let of_mean = energy.map(|[more, uncertainty]| [energies.total + more, uncertainty]);
+        let told = Told { energy: (energies.total, of_mean), length: None, ..told };
+        let mut of_mesh = quantities(scene, bars, told);
+        if let (Some(lengths), Some(told)) = (lengths, &contact_in_numbers) {
+            add_lengths_of_outcomes(&mut of_mesh, scene, (told, *lengths), &doubts);
+        }
+        of_means = stochastic::with_bars(result, &of_mesh);
     }
     let mut quantities = quantities(scene, &report.bars, told);
     quantities.extend(of_means);
     // nothing says which end belongs to which of several interfaces
     let several = scene.problem.interfaces().len() > 1 && scene.problem.has_several_bodies();
     if let (Some(contact), Some(located), Some(off)) = (contact, report.located, &report.off) {
-        let zones = Zones { scene, trace: report.trace, contact, rows, located, off };
+        let zones = Zones { scene, trace: report.trace, contact, rows, located, off, is_exact: exact };
         add_lengths(&mut quantities, zones, &doubts);
         let ends = contact_in_numbers.as_ref().and_then(|told| told.ends.as_deref()).filter(|_| !several);
-        add_ends(&mut quantities, zones, ends.unwrap_or_default(), &doubts);
+        add_ends(&mut quantities, zones, ("contact", ends.unwrap_or_default()), &doubts);
+        for (number, own) in report.interfaces.iter().enumerate() {
+            let ends = own.ends.as_deref().unwrap_or_default();
+            add_ends(&mut quantities, zones, (&format!("interfaces.{number}"), ends), &doubts);
+        }
     }
-    if let (Some(contact), true) = (contact, report.grid.is_some()) {
-        add_lengths_of_nodes(&mut quantities, scene, (report.trace, contact, rows), &doubts);
+    add_lengths_of_ties(&mut quantities, scene, &report.interfaces);
+    if let (Some(contact), Some(told)) = (contact, &contact_in_numbers) {
+        let by_nodes = report.located.is_none();
+        let known_at_corners = exact || report.grid.is_some() && ends_at_corners_are_known(scene, rows);
+        let of_nodes = (told, by_nodes, known_at_corners);
+        add_lengths_of_nodes(&mut quantities, scene, (report.trace, contact, rows), of_nodes, &doubts);
     }
     let with_peak = |(number, told): (usize, InterfaceSummary)| {
         let peak = quantities.get(&format!("interfaces.{number}.max_pressure")).map(|peak| peak.value);

@@ -240,8 +240,8 @@ impl Model for BoundaryElements {
         let (reactions, estimates) = (&run.last.reactions, estimates.unwrap_or_default());
         let bars = Bars::new(scene, reactions, &estimates);
         let over_outcomes = run.last.over_outcomes.as_ref().map(|over| {
-            let bars = Bars::over_outcomes(scene, reactions, &estimates, &over.quantities);
-            OfMeans { bars, energy: Some(over.energy) }
+            let bars = Bars::over_outcomes(scene, reactions, &estimates, over);
+            OfMeans { bars, energy: Some(over.energy), lengths: Some(over.lengths) }
         });
         let steps: Vec<&[Located]> = run.progress.steps.iter().map(|step| &step.layout.located[..]).collect();
         let off = match estimates[..] {

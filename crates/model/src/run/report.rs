@@ -20,6 +20,8 @@ pub struct OfMeans {
     pub bars: Bars,
     /// How far J is from the extrapolated one, and how far that may be off; none on a grid, where `bars` have it.
     pub energy: Option<[f64; 2]>,
+    /// How far the lengths in contact and in stick may be off that nodes tell; none on a grid.
+    pub lengths: Option<[f64; 2]>,
 }
 
 /// The report of a model on its last solution.

@@ -295,7 +295,8 @@ impl Body {
         let of_corner = |e: usize, j: usize| data.traction_moment(&field, &particular, e, j);
         let pulled = self.springs.reactions(mesh, space, &displacement);
         let reactions = reactions(scene, (&supports, mesh), &residual.values, (contact.as_ref(), pulled), of_corner);
-        let reaction_work = self.work_of_forces(&given, &displacement, &forces);
+        let of_jump = self.outside.as_ref().map_or(0.0, |outside| outside.work_on_jump(&displacement));
+        let reaction_work = self.work_of_forces(&given, &displacement, &forces) + of_jump;
         let works = self.works(&data, (&supports, &residual.values), (contact.as_ref(), &displacement), of_corner);
         let factors = Factors {
             homogeneous: self.settled(&homogeneous),

@@ -40,7 +40,7 @@ pub struct Outside {
     /// The map from ξ to σ(u_c)n.
     pub(crate) traction_map: TractionMap,
     /// u0 at the nodes, interleaved.
-    jump: Vec<f64>,
+    pub(crate) jump: Vec<f64>,
     /// S_e u0.
     pub(crate) load: Vec<f64>,
 }
@@ -81,6 +81,16 @@ impl Outside {
     /// Adds S_e to the matrix of the body.
     pub(crate) fn stiffen(&self, matrix: &mut Mat<f64>) {
         *matrix += &self.stiffness;
+    }
+
+    /// S_e v of nodal values.
+    pub(crate) fn multiply(&self, v: &[f64]) -> Vec<f64> {
+        product(&self.stiffness, v)
+    }
+
+    /// R = -⟨S_e ξ, u0⟩: the work of the medium on the jump.
+    pub(crate) fn work_on_jump(&self, u: &[f64]) -> f64 {
+        -dot(&self.jump, &self.multiply(&self.displacement(u)))
     }
 
     /// ξ at the nodes.

@@ -47,6 +47,10 @@ pub struct OverOutcomes {
     pub quantities: Vec<EstimatedQuantity>,
     /// The J extrapolated less J, and how far that may be off.
     pub energy: [f64; 2],
+    /// The largest pressure of nodes.
+    pub peak: f64,
+    /// How far the lengths in contact and in stick may be off that nodes tell.
+    pub lengths: [f64; 2],
 }
 
 /// A solved mesh.

@@ -50,7 +50,7 @@ fn source(path: &str) -> Option<String> {
     Some(match parts[..] {
         ["contact", "force", k] => format!("contact.force.{}", of_vector(k)),
         // of outcomes these are numbers of nodes
-        ["contact", "max_pressure" | "length"] | ["interfaces", _, "max_pressure"] => return None,
+        ["interfaces", _, "max_pressure" | "length" | "stick" | "slip"] => return None,
         ["reactions", ref side @ .., k] => format!("reactions.{}.{}", side.join("."), of_vector(k)),
         ["probe", point, "displacement", k] => format!("probe.{point}.displacement.{}", of_vector(k)),
         ["probe", point, "stress", k] => {

@@ -14,7 +14,9 @@ use crate::estimate::error_estimate::{Bubble, Estimate, ROUNDOFF, estimate};
 use crate::estimators::{Estimator, ON_BOUNDARY, TRUNCATION};
 use crate::quantities::EstimatedQuantity;
 use crate::solve::body::{Body, Factors};
+use crate::solve::contact_rows::{contact_rows, max_pressure};
 use crate::solve::solution::{OverOutcomes, Solved};
+use crate::zone_bars::lengths_of_nodes;
 
 /// Most germs of which all combinations of two values are taken, and samples beyond.
 const FEW: usize = 4;
@@ -66,6 +68,13 @@ pub(crate) fn mean_estimate(
             let gain = [one.energy - solved.energies.total, one.uncertainty];
             numbers.energy.iter_mut().zip(gain).for_each(|(sum, own)| *sum += weight * own);
             add_quantities(&mut numbers.quantities, *weight, &one.quantities);
+            if let Some(contact) = &solved.contact {
+                let rows = contact_rows(solved.trace(), contact);
+                let edges = scene.problem.outline.edges();
+                let lengths = lengths_of_nodes(solved.trace(), (contact, &rows), edges, false);
+                numbers.peak += weight * max_pressure(&rows);
+                numbers.lengths.iter_mut().zip(lengths).for_each(|(sum, [_, off])| *sum += weight * off);
+            }
             for doubt in one.doubts {
                 if !mean.doubts.contains(&doubt) {
                     mean.doubts.push(doubt);
