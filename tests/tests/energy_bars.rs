@@ -113,6 +113,52 @@ fn energies_of_media_and_bodies_are_inside_their_bars() {
     assert!(count >= 15 && 100 * half >= 97 * count, "{half} of {count}");
 }
 
+/// Springs: forces, moments and energies, of a block on a bed, of a disc, and beside supports and contact.
+#[test]
+fn numbers_of_springs_are_inside_their_bars() {
+    let block =
+        "body = { corners = [[0, 0], [2, 0], [2, 1], [0, 1]], sides = [\"floor\", \"right\", \"top\", \"left\"] }\n";
+    let scenes = [
+        format!(
+            "{block}sides.floor.springs = {{ normal = \"50*(1 + x)\", tangential = 5 }}\nsides.right.springs = [2, 1]\n\
+             sides.top.traction = [1, \"-3 - x\"]\nquantities.m = {{ moment = \"floor\", about = [0, 0] }}\n"
+        ),
+        "body = { circle = { centre = [0, 0], radius = 1 }, side = \"rim\" }\n\
+         sides.rim = { springs = { normal = 20, tangential = 3 }, traction = [\"x*y\", \"1 + x\"] }\n"
+            .to_owned(),
+        format!(
+            "{block}sides.floor.contact.gap = \"0.01*(x - 1)^2\"\nsides.right.springs = [20, 0]\n\
+             sides.left.displacement = [0.01, 0]\nsides.top.pressure = 2\n"
+        ),
+    ];
+    let (mut count, mut inside) = (0, 0);
+    for scene in scenes {
+        let at = |tolerance: &str| {
+            let text = format!("{scene}material = {{ young = 100, poisson = 0.3 }}\nmethod.tolerance = {tolerance}\n");
+            solved(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}\n{text}", e.render())))
+        };
+        let known = at("1e-6");
+        for tolerance in ["1e-1", "1e-2", "1e-3", "1e-4"] {
+            let own = at(tolerance);
+            assert!(
+                ["spring_energy", "strain_energy", "load_work"].iter().all(|path| own.quantities.contains_key(*path))
+            );
+            for (path, Quantity { value, uncertainty, .. }) in &own.quantities {
+                let exact = quantity(&known, path);
+                let error = (value - exact.value).abs();
+                if error < 20.0 * exact.uncertainty {
+                    continue;
+                }
+                println!("{tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+                assert!(error <= 3.0 * uncertainty, "{path} at {tolerance}: {error:e} and {uncertainty:e}");
+                (count, inside) = (count + 1, inside + usize::from(error <= *uncertainty));
+            }
+        }
+    }
+    println!("{inside} of {count}");
+    assert!(count > 25 && 10 * inside >= 9 * count, "{inside} of {count}");
+}
+
 /// Gaps, prescribed displacements, friction of both laws, bodies that touch.
 #[test]
 fn energies_with_contact_and_supports_that_move_are_inside_their_bars() {

@@ -88,6 +88,8 @@ pub(crate) enum Of {
     Friction,
     /// The strain energy of one of several bodies.
     Strain,
+    /// The energy of springs.
+    Springs,
     /// The largest von Mises stress.
     LargestStress,
 }
@@ -175,6 +177,13 @@ fn add_strain_of_bodies(scene: &Scene, entries: &mut Vec<Entry>) {
     }
 }
 
+/// The energy of springs, behind those.
+fn add_springs(scene: &Scene, entries: &mut Vec<Entry>) {
+    if scene.problem.has_springs() {
+        add_work(entries, Of::Springs, "spring_energy");
+    }
+}
+
 /// The largest von Mises stress, behind the works.
 fn add_largest_stress(scene: &Scene, entries: &mut Vec<Entry>) {
     if has_largest_stress(scene) {
@@ -225,6 +234,7 @@ impl Bars {
         let mut entries = entries(scene, reactions);
         add_works(scene, &mut entries);
         add_strain_of_bodies(scene, &mut entries);
+        add_springs(scene, &mut entries);
         add_largest_stress(scene, &mut entries);
         if last.quantities.len() != entries.len() {
             // of an altered file, or without any

@@ -91,11 +91,13 @@ pub(crate) fn unknown_at_corners(scene: &Scene, rows: &[ContactRow]) -> Vec<(usi
     let outline = &scene.problem.outline;
     let is_known = |(k, edge, contact): (usize, &Edge, &Contact), end: f64| {
         let (at, length) = (edge.point(end), edge.length());
-        let own = |row: &&ContactRow| row.side == edge.side && distance(row.point, at) <= BESIDE * length;
-        let beside = || rows.iter().filter(own);
-        let largest = beside().fold(0.0, |largest: f64, row| largest.max(row.pressure));
-        let nearest = beside().min_by(|a, b| distance(a.point, at).total_cmp(&distance(b.point, at)));
-        let Some(nearest) = nearest.filter(|row| row.pressure > 0.0) else { return true };
+        let far = |row: &ContactRow| distance(row.point, at);
+        let own = || rows.iter().filter(|row| row.side == edge.side);
+        let Some(nearest) = own().min_by(|a, b| far(a).total_cmp(&far(b))).filter(|row| row.pressure > 0.0) else {
+            return true;
+        };
+        let beside = own().filter(|row| far(row) <= BESIDE * length);
+        let largest = beside.fold(0.0, |largest: f64, row| largest.max(row.pressure));
         let (beyond, is_straight) = beyond_end(outline, k, end > 0.5);
         let beyond = outline.edges()[beyond].side;
         // behind the tip of a crack the bodies are tied
@@ -104,7 +106,10 @@ pub(crate) fn unknown_at_corners(scene: &Scene, rows: &[ContactRow]) -> Vec<(usi
         // shear at a free corner makes the pressure infinite there, of either sign
         let smooth = || matches!(contact.friction, Friction::None) || is_symmetric(scene, k, end);
         let flat = || smooth() && is_flat(edge, contact, end) && is_parallel(scene, k, end);
-        goes_on || nearest.pressure >= PART_AT_CORNER * largest && flat()
+        // where a support holds the corner, and where no other body is, the nearest node may be far
+        let is_near = far(nearest) <= BESIDE * length;
+        let is_faced = scene.problem.joint(edge.side).is_none_or(|own| scene.problem.seen(own, k, end).is_some());
+        goes_on || !is_near && !is_faced || is_near && nearest.pressure >= PART_AT_CORNER * largest && flat()
     };
     let edges = outline.edges().iter().enumerate();
     let touching = edges.filter_map(|(k, edge)| Some((k, edge, scene.contact(edge.side)?)));

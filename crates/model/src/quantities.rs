@@ -14,7 +14,7 @@ use crate::bars::{Bars, Kind, OF_DIFFERENCE, ON_GRID, Of};
 use crate::contact_length::ends_at_corners_are_known;
 use crate::doubt::Doubt;
 use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
-use crate::reacting::{shared, works_alone};
+use crate::reacting::{shared, shared_corners, works_alone};
 use crate::solve::contact_rows::{ContactRow, TOUCHING};
 use crate::solve::fields::ElasticField;
 use crate::summary::{InterfaceSummary, Named, Probe};
@@ -141,7 +141,7 @@ fn is_all_contact(scene: &Scene, interface: &Interface) -> bool {
     scene.contacts().all(|(side, _)| interface.sides.contains(&side))
 }
 
-/// The forces of sides, with their numbers, whose error bars are known: of supports and rigid obstacles, without those of springs.
+/// The forces of sides, with their numbers, whose error bars are known: of supports, springs and rigid obstacles.
 pub(crate) fn forces<'a>(
     scene: &'a Scene,
     reactions: &'a [(String, [f64; 2])],
@@ -160,11 +160,13 @@ pub(crate) fn forces_between(scene: &Scene) -> impl Iterator<Item = (usize, &Int
     scene.problem.joints().enumerate().filter(known)
 }
 
-/// Whether the enriched spaces tell how far the force of a side may be off: that of a support or a rigid obstacle.
+/// Whether the enriched spaces tell how far the force of a side may be off: that of a support, of springs or of a rigid obstacle. On grids
+/// those of springs are not known.
 fn is_known(scene: &Scene, side: usize) -> bool {
     let (problem, stabilised) = (&scene.problem, scene.method.multiplier == Multiplier::Stabilised);
     let touched = problem.contact(side).is_some();
-    problem.sides[side].springs.is_none() && problem.joint(side).is_none() && !(stabilised && touched)
+    let sprung = problem.sides[side].springs.is_some();
+    !(sprung && scene.is_on_grid()) && problem.joint(side).is_none() && !(stabilised && touched)
 }
 
 /// Whether a point is a corner of the outline, between two of its sides, or where data of its side jump or have a kink.
@@ -231,6 +233,8 @@ pub(crate) struct Told<'a> {
     pub rows: &'a [ContactRow],
     /// Words of doubts.
     pub doubts: &'a [String],
+    /// Whether the solution is exact.
+    pub is_exact: bool,
 }
 
 /// J and the values with error bars by their paths; stresses that are infinite are left out, and what two sides share at a corner.
@@ -263,10 +267,16 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
         quantities.insert("energy".to_owned(), with(energy, uncertainty));
     }
     // a short piece beside a corner may be open
-    let known_at_corners = ends_at_corners_are_known(scene, told.rows);
+    let known_at_corners = told.is_exact || ends_at_corners_are_known(scene, told.rows);
     // on a grid how much of a corner is whose is not known
     let is_unknown = |shared: bool, value: f64, uncertainty: f64| {
-        shared && (scene.is_on_grid() || !known_at_corners) || !(value.is_finite() && uncertainty.is_finite())
+        shared && scene.is_on_grid() || !(value.is_finite() && uncertainty.is_finite())
+    };
+    // what depends on a piece beside a corner that no node shows
+    let may_open = |quantity: &mut Quantity, depends: bool| {
+        if depends && !known_at_corners {
+            doubt(quantity, Doubt::Transition);
+        }
     };
     let first = all.entries.iter().position(|entry| matches!(entry.of, Of::Named(_))).unwrap_or(0);
     for (k, (entry, &[value, uncertainty])) in all.entries.iter().zip(&all.values).enumerate() {
@@ -291,9 +301,16 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
             }
             Of::Reactions => continue,
             Of::LargestStress if !(value.is_finite() && uncertainty.is_finite()) => continue,
-            Of::LargestStress | Of::Strain => {}
-            Of::Friction if !(known_at_corners && value.is_finite()) => continue,
-            Of::Friction => {}
+            Of::LargestStress | Of::Strain | Of::Springs => {}
+            // between nodes that all stick there may be some slip
+            Of::Friction if value == 0.0 && !told.is_exact && told.rows.iter().any(|row| row.pressure > 0.0) => {
+                continue;
+            }
+            Of::Friction if !value.is_finite() || scene.is_on_grid() && !known_at_corners => continue,
+            Of::Friction => {
+                may_open(&mut quantity, true);
+                quantity.uncertainty *= if known_at_corners { 1.0 } else { OF_CORNER };
+            }
             Of::Length => match told.length.filter(|_| value.is_finite() && uncertainty.is_finite()) {
                 Some([length, of_vertices]) => {
                     (quantity.value, quantity.uncertainty) = (length, uncertainty + of_vertices);
@@ -315,15 +332,19 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                 }
             }
             Of::Force(side) => {
-                if is_unknown(shared(scene, &[side])[k - entry.group.start], value, uncertainty) {
+                let shared = shared(scene, &[side])[k - entry.group.start];
+                if is_unknown(shared, value, uncertainty) {
                     continue;
                 }
+                may_open(&mut quantity, shared);
             }
             Of::Interface(number) => {
                 let sides = scene.problem.joints().nth(number).map_or(&[][..], |interface| &interface.sides);
-                if is_unknown(shared(scene, sides)[k - entry.group.start], value, uncertainty) {
+                let shared = shared(scene, sides)[k - entry.group.start];
+                if is_unknown(shared, value, uncertainty) {
                     continue;
                 }
+                may_open(&mut quantity, shared);
             }
             Of::Named(of) => {
                 let NamedQuantity { name, kind } = &scene.quantities[of];
@@ -332,6 +353,8 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
                 {
                     continue;
                 }
+                let joined = kind.weighted_side().is_some_and(|(side, w)| !works_alone(scene, side, w));
+                may_open(&mut quantity, joined);
                 if told.named.pressure.get(name).is_some_and(|pressure| pressure.is_nan()) {
                     continue;
                 }
@@ -364,7 +387,7 @@ pub(crate) fn quantities(scene: &Scene, all: &Bars, told: Told<'_>) -> Quantitie
 }
 
 /// Gives forces of sides and interfaces that share corners the largest error bar of all of them, along x and along y: what one has too much
-/// another one lacks.
+/// another one lacks; moments and weighted forces have that of what they weigh there or more.
 fn of_shared_forces(scene: &Scene, quantities: &mut Quantities) {
     let of_side = |side: usize| (format!("reactions.{}", scene.problem.sides[side].name), shared(scene, &[side]));
     let of_interface =
@@ -377,11 +400,18 @@ fn of_shared_forces(scene: &Scene, quantities: &mut Quantities) {
         for path in paths() {
             quantities.entry(path).and_modify(|own| own.uncertainty = largest);
         }
+        for NamedQuantity { name, kind } in &scene.quantities {
+            let Some((side, w)) = kind.weighted_side() else { continue };
+            let at_corners = shared_corners(scene, side, &[side]).into_iter().filter(|(_, shared)| shared[i]);
+            let part = at_corners.map(|(x, _)| largest * w(x)[i].abs()).fold(0.0, f64::max);
+            let path = format!("{}.{name}", kind.group());
+            quantities.entry(path).and_modify(|own| own.uncertainty = own.uncertainty.max(part));
+        }
     }
 }
 
-/// Gives strain energy E and load work L error bars by those of J, of the work of reactions R and of that against friction F, of the
-/// solution of a mesh as well: E = R - J and L = R + F - 2J, of which what is told may differ by what a mesh leaves.
+/// Gives strain energy E and load work L error bars by those of J, of the work of reactions R, of that against friction F and of the energy of
+/// springs S, of the solution of a mesh as well: E = R - J - S and L = R + F - 2J, of which what is told may differ by what a mesh leaves.
 fn of_energies(
     scene: &Scene,
     quantities: &mut Quantities,
@@ -398,35 +428,41 @@ fn of_energies(
         (nothing, nothing)
     };
     let known = |work: &[f64; 2]| work[0].is_finite();
-    let (Some(reactions), false) = (reactions.filter(known), scene.problem.has_springs()) else { return };
-    let (nothing, friction) = (Some([0.0; 2]), friction.filter(known));
-    for (path, value, factor, friction) in
-        [("strain_energy", strain, 1.0, nothing), ("load_work", load_work, 2.0, friction)]
+    let springs = has(scene.problem.has_springs(), Of::Springs).filter(known);
+    let (Some(reactions), Some(springs)) = (reactions.filter(known), springs) else { return };
+    // -S of the strain energy, F of the work of loads
+    let (springs, friction) = (Some([-springs[0], springs[1]]), friction.filter(known));
+    for (path, value, factor, more) in
+        [("strain_energy", strain, 1.0, springs), ("load_work", load_work, 2.0, friction)]
     {
-        let Some(friction) = friction else { continue };
-        let sum = |k: usize| reactions[k] + friction[k];
+        let Some(more) = more else { continue };
+        let sum = |k: usize| reactions[k] + more[k];
         let left = (value - (sum(0) - factor * energy.value)).abs();
         let left = if left > SAME_ENERGY * value.abs() { left } else { 0.0 };
         let bar = factor * energy.uncertainty + sum(1);
-        let of_corners = [reactions[0], friction[0]];
+        let of_corners = [reactions[0], if factor == 2.0 { more[0] } else { 0.0 }];
         // without loads their work is exactly zero
         let unloaded = value == 0.0;
         let known =
             unloaded || known_at_corners || of_corners.iter().all(|work| work.abs() <= SAME_ENERGY * value.abs());
-        if !known || left > OF_LEFT * value.abs() {
+        if !known && scene.is_on_grid() || left > OF_LEFT * value.abs() {
             continue;
         }
-        let uncertainty = if unloaded { 0.0 } else { bar + left };
+        // of what depends on a piece beside a corner that no node shows
+        let wider = if known { 1.0 } else { OF_CORNER };
+        let uncertainty = if unloaded { 0.0 } else { wider * bar + left };
         let share = if energy.uncertainty > 0.0 { uncertainty / energy.uncertainty } else { 0.0 };
         let parts = energy.parts.iter().map(|(name, part)| (name.clone(), share * part)).collect();
         let mut doubts = energy.doubts.clone();
         doubts.extend(all.doubts.iter().map(|doubt| doubt.word().to_owned()));
         doubts.dedup();
+        let is_new = !known && !doubts.iter().any(|word| word == Doubt::Transition.word());
+        doubts.extend(is_new.then(|| Doubt::Transition.word().to_owned()));
         quantities.insert(path.to_owned(), Quantity { value, uncertainty, doubts, parts });
     }
 }
 
-/// Whether nothing but loads does work on the bodies: no support moves, and there is no contact, jump or spring.
+/// Whether nothing but loads and springs does work on the bodies: no support moves, and there is no contact or jump.
 fn loads_alone_work(scene: &Scene) -> bool {
     let problem = &scene.problem;
     let is_plain = |law: &Law| matches!(law, Law::Tied(tie) if tie.displacement_jump.is_none());
@@ -434,8 +470,7 @@ fn loads_alone_work(scene: &Scene) -> bool {
         Condition::Displacement { values, .. } => values.iter().flatten().all(|value| value.constant() == Some(0.0)),
         _ => true,
     };
-    !problem.has_springs()
-        && problem.interfaces().iter().all(|interface| is_plain(&interface.law))
+    problem.interfaces().iter().all(|interface| is_plain(&interface.law))
         && problem.sides.iter().all(|side| rests(&side.condition))
 }
 

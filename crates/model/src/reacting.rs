@@ -44,10 +44,14 @@ fn is_flat(scene: &Scene, edge: &Edge) -> bool {
 
 /// The corners of a side at which both it and a side that is not one of `own` may have a component of a force: how much is whose is known
 /// to the mesh alone.
-fn shared_corners(scene: &Scene, side: usize, own: &[usize]) -> Vec<([f64; 2], [bool; 2])> {
+pub(crate) fn shared_corners(scene: &Scene, side: usize, own: &[usize]) -> Vec<([f64; 2], [bool; 2])> {
     let outline = &scene.problem.outline;
     let edges = outline.edges();
     let mut corners = Vec::new();
+    // the force of springs is an integral of its own
+    if scene.problem.sides[side].springs.is_some() {
+        return corners;
+    }
     for k in (0..edges.len()).filter(|&k| edges[k].side == side) {
         for at_end in [false, true] {
             let (other, _) = outline.neighbour(k, at_end);

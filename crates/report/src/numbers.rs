@@ -292,8 +292,11 @@ fn of_forces(s: &Summary) -> Vec<Row> {
 /// Bodies, interfaces, grid and what is around.
 fn of_parts(s: &Summary) -> Vec<Row> {
     let mut rows = Vec::new();
-    for body in &s.bodies {
-        let error = body.estimate.map_or(Vec::new(), |e| within("estimated error of this body ", e, 3, ""));
+    for (k, body) in s.bodies.iter().enumerate() {
+        let bar = s.quantities.get(&format!("bodies.{k}.strain_energy"));
+        let bar = bar.map(|told| within("± ", told.uncertainty, 2, ""));
+        let of_body = |e| within("estimated error of this body ", e, 3, "");
+        let error = bar.or_else(|| body.estimate.map(of_body)).unwrap_or_default();
         rows.push(row(format!("strain energy of body {}", body.name), one(body.strain_energy), Unit::Energy, error));
     }
     s.interfaces.iter().enumerate().for_each(|(number, i)| rows.extend(of_interface(s, number, i)));

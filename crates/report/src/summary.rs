@@ -116,8 +116,8 @@ pub fn lines(stored: &Record) -> Vec<String> {
     if let Some(grid) = &s.grid {
         on_grid(stored, grid, &mut lines);
     }
-    for body in &s.bodies {
-        let energy = usual(body.strain_energy);
+    for (k, body) in s.bodies.iter().enumerate() {
+        let energy = energy_with_bar(s, body.strain_energy, &format!("bodies.{k}.strain_energy"));
         lines.say("body", format!("{}: {} dofs, strain energy {energy}", body.name, body.dofs));
     }
     if let Some(a) = &s.audit {
@@ -344,16 +344,21 @@ fn far_away(exterior: &MediumSummary, lines: &mut Lines) {
     }
 }
 
+/// An energy with the error bar of a path, if there is one.
+fn energy_with_bar(s: &Summary, value: f64, path: &str) -> String {
+    one_with_bar(value, s.quantities.get(path).map(|told| told.uncertainty), value)
+}
+
 /// The energy J with its parts and its error.
 fn energies(s: &Summary, lines: &mut Lines) {
     // else the extrapolated one has the bar
     let told = s.quantities.get("energy").filter(|_| s.energy_extrapolated.is_none());
     let bar = told.map_or(String::new(), |told| format!(" ± {}", plain(told.uncertainty, 2)));
     lines.say("energy J", plain(s.energy, ENERGY_DIGITS) + &bar);
-    let springs = s.spring_energy.map_or(String::new(), |energy| format!("springs {}, ", usual(energy)));
+    let springs = |energy| format!("springs {}, ", energy_with_bar(s, energy, "spring_energy"));
+    let springs = s.spring_energy.map_or(String::new(), springs);
     let friction = part(s.friction_work, s.strain_energy.abs().max(s.load_work.abs()));
-    let with_bar =
-        |value: f64, path: &str| one_with_bar(value, s.quantities.get(path).map(|told| told.uncertainty), value);
+    let with_bar = |value: f64, path: &str| energy_with_bar(s, value, path);
     let (strain, work) = (with_bar(s.strain_energy, "strain_energy"), with_bar(s.load_work, "load_work"));
     let friction = match s.quantities.get("friction_work") {
         Some(told) if told.uncertainty < told.value.abs() => with_bar(s.friction_work, "friction_work"),

@@ -87,8 +87,18 @@ pub(crate) fn both(
         both.extend(pair(value, quantities::at_points(scene, plus, after.as_ref().map(|at| at as &At<'_>))));
     }
     let fields = plus.as_ref().map(|plus| [solved.elastic_field(), *plus]);
+    let corrections = [&correction.base[..], &correction.extra].concat();
+    let of_springs = |sides: &[usize]| {
+        let all = system.springs.reactions(data.mesh, data.space, &corrections);
+        let own = all.into_iter().filter(|(side, _)| sides.contains(side));
+        own.fold([0.0; 2], |sum, (_, force)| [sum[0] + force[0], sum[1] + force[1]])
+    };
     let mut add_force = |force: [f64; 2], sign: f64, sides: &[usize]| {
-        let gained = data.change_of_force(sides, &change, fields.as_ref());
+        let sprung = sides.iter().any(|&side| scene.problem.sides[side].springs.is_some());
+        let gained = match sprung {
+            true => of_springs(sides),
+            false => data.change_of_force(sides, &change, fields.as_ref()),
+        };
         both.extend([0, 1].map(|i| [force[i], force[i] + sign * gained[i]]));
     };
     quantities::forces(scene, &solved.reactions).for_each(|(force, side)| add_force(force, 1.0, &[side]));
@@ -96,7 +106,9 @@ pub(crate) fn both(
         add_force(force_of(scene, interface, solved), sign_of(interface), &interface.sides);
     }
     if let Some(plus) = &plus {
-        let works = data.works_with(&solved.works, &change, &[solved.elastic_field(), *plus]);
+        let of_springs =
+            |side: usize, w: &dyn Fn([f64; 2]) -> [f64; 2]| system.springs.work(data, &corrections, side, w);
+        let works = data.works_with(&solved.works, (&change, &of_springs), &[solved.elastic_field(), *plus]);
         both.extend(pair(data.named(&solved.elastic_field(), &solved.works), data.named(plus, &works)));
     }
     let most_pressed = |peak| data.most_pressed(plus.as_ref()?, |side| quantities::is_of_peak(scene, peak, side));
@@ -138,6 +150,14 @@ pub(crate) fn both(
             both.push(strain);
             functionals.push(with_duals.then_some(slope));
         }
+    }
+    if scene.problem.has_springs() {
+        let at = |u: &[f64]| system.springs.pull(data.space, system.frames.len(), u);
+        let (pull, of_correction) = (at(&solved.displacement), at(&corrections));
+        let energy = solved.energies.springs;
+        both.push([energy, energy + correction.dot(&pull) + 0.5 * correction.dot(&of_correction)]);
+        let slope = LinearFunctional { of_energy: Some((0, pull, Vec::new())), ..LinearFunctional::default() };
+        functionals.push(with_duals.then_some(slope));
     }
     if has_largest_stress(scene) {
         both.push(largest.map_or([f64::NAN; 2], |(own, _)| own));
@@ -293,7 +313,12 @@ impl OnMesh<'_> {
     }
 
     /// The moments and weighted forces of the nodal forces with their change.
-    fn works_with(&self, works: &[f64], change: &[f64], fields: &[ElasticField<'_>; 2]) -> Vec<f64> {
+    fn works_with(
+        &self,
+        works: &[f64],
+        (change, of_springs): (&[f64], &dyn Fn(usize, &dyn Fn([f64; 2]) -> [f64; 2]) -> f64),
+        fields: &[ElasticField<'_>; 2],
+    ) -> Vec<f64> {
         let mut works = works.iter().copied();
         let with = |quantity: &NamedQuantity| {
             let (side, w) = quantity.kind.weighted_side()?;
@@ -302,8 +327,13 @@ impl OnMesh<'_> {
                 return Some(work);
             }
             let of_nodes = || self.on_sides(&[side], &w).iter().zip(change).map(|(w, f)| w * f).sum();
-            let alone = works_alone(self.scene, side, &w);
-            let gained: f64 = if alone { of_nodes() } else { self.change_of_tractions(fields, &[side], &w) };
+            let gained: f64 = if self.scene.problem.sides[side].springs.is_some() {
+                of_springs(side, &w)
+            } else if works_alone(self.scene, side, &w) {
+                of_nodes()
+            } else {
+                self.change_of_tractions(fields, &[side], &w)
+            };
             Some(work + gained)
         };
         self.scene.quantities.iter().filter_map(with).collect()

@@ -63,10 +63,11 @@ impl OnMesh<'_> {
         let forces = quantities::forces(scene, &solved.reactions);
         let forces = forces.map(|(_, side)| vec![side]);
         let between = quantities::forces_between(scene).map(|(_, interface)| interface.sides.clone());
-        // how much of a corner is whose is known to no dual problem
+        // how much of a corner is whose is known to no dual problem; the forces of springs are no forces at nodes
         let of_sides = |sides: Vec<usize>| {
             let shared = shared(scene, &sides);
-            [0, 1].map(|i| (!shared[i]).then(|| self.of_forces(&sides, |_| along(i))))
+            let sprung = sides.iter().any(|&side| scene.problem.sides[side].springs.is_some());
+            [0, 1].map(|i| (!shared[i] && !sprung).then(|| self.of_forces(&sides, |_| along(i))))
         };
         let forces = forces.chain(between).flat_map(of_sides);
         let Some(field) = field else { return forces.collect() };
@@ -87,7 +88,7 @@ impl OnMesh<'_> {
                 QuantityKind::MeanDisplacement(side) => all.extend(self.of_mean(field, side).map(Some)),
                 QuantityKind::Moment { .. } | QuantityKind::WeightedForce { .. } => {
                     let balanced = quantity.kind.weighted_side();
-                    let balanced = balanced.filter(|(side, w)| self.is_balanced(*side) && works_alone(scene, *side, w));
+                    let balanced = balanced.filter(|(side, w)| self.has_dual(*side) && works_alone(scene, *side, w));
                     all.push(balanced.map(|(side, w)| self.of_forces(&[side], w)));
                 }
                 QuantityKind::OpeningAt(x) => all.push(self.of_opening(field, x)),
@@ -96,6 +97,11 @@ impl OnMesh<'_> {
         all.extend(peaks.iter().map(|peak| peak.map(|place| self.of_pressure(field, place))));
         all.extend(extracts_ends(scene).then_some(None));
         all
+    }
+
+    /// Whether a weighted force of a side is one of forces at nodes.
+    fn has_dual(&self, side: usize) -> bool {
+        self.is_balanced(side) && self.scene.problem.sides[side].springs.is_none()
     }
 
     /// Whether a point is on a side in contact: its displacement is the gap there, of which the spaces see polynomials alone.

@@ -190,6 +190,7 @@ pub fn answer<M: Model>(
         peak,
         interfaces: &report.interfaces,
         doubts: &doubts,
+        is_exact: exact,
     };
     let mut of_means = Quantities::new();
     if let (Some(result), Some(OfMeans { bars, energy, lengths })) = (outcomes, &report.over_outcomes) {
