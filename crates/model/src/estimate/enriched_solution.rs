@@ -21,6 +21,7 @@ use crate::contact_length::length_of_contact;
 use crate::data::body_load::Particulars;
 use crate::data::on_mesh::OnMesh;
 use crate::data::parts::Assembled;
+use crate::data::springs::Springs;
 use crate::error::SolveError;
 use crate::estimate::contact_ends::ContactEnd;
 use crate::estimate::dual::Duals;
@@ -88,27 +89,10 @@ pub(crate) fn both(
     }
     let fields = plus.as_ref().map(|plus| [solved.elastic_field(), *plus]);
     let corrections = [&correction.base[..], &correction.extra].concat();
-    let of_springs = |sides: &[usize]| {
-        let all = system.springs.reactions(data.mesh, data.space, &corrections);
-        let own = all.into_iter().filter(|(side, _)| sides.contains(side));
-        own.fold([0.0; 2], |sum, (_, force)| [sum[0] + force[0], sum[1] + force[1]])
-    };
-    let mut add_force = |force: [f64; 2], sign: f64, sides: &[usize]| {
-        let sprung = sides.iter().any(|&side| scene.problem.sides[side].springs.is_some());
-        let gained = match sprung {
-            true => of_springs(sides),
-            false => data.change_of_force(sides, &change, fields.as_ref()),
-        };
-        both.extend([0, 1].map(|i| [force[i], force[i] + sign * gained[i]]));
-    };
-    quantities::forces(scene, &solved.reactions).for_each(|(force, side)| add_force(force, 1.0, &[side]));
-    for (_, interface) in quantities::forces_between(scene) {
-        add_force(force_of(scene, interface, solved), sign_of(interface), &interface.sides);
-    }
+    let changes = Changes { forces: &change, springs: system.springs, corrections: &corrections };
+    both.extend(forces(data, solved, &changes, fields.as_ref()));
     if let Some(plus) = &plus {
-        let of_springs =
-            |side: usize, w: &dyn Fn([f64; 2]) -> [f64; 2]| system.springs.work(data, &corrections, side, w);
-        let works = data.works_with(&solved.works, (&change, &of_springs), &[solved.elastic_field(), *plus]);
+        let works = data.works_with(&solved.works, &changes, &[solved.elastic_field(), *plus]);
         both.extend(pair(data.named(&solved.elastic_field(), &solved.works), data.named(plus, &works)));
     }
     let most_pressed = |peak| data.most_pressed(plus.as_ref()?, |side| quantities::is_of_peak(scene, peak, side));
@@ -174,6 +158,43 @@ pub(crate) fn both(
         }
     });
     Ok((all.collect(), ends))
+}
+
+/// What the enriched spaces change.
+struct Changes<'a> {
+    /// The forces at nodes.
+    forces: &'a [f64],
+    springs: &'a Springs,
+    /// The displacements of nodes and bubbles, which springs follow.
+    corrections: &'a [f64],
+}
+
+impl Changes<'_> {
+    /// The change of the force of springs on sides, if there are any.
+    fn of_springs(&self, data: &OnMesh<'_>, sides: &[usize]) -> Option<[f64; 2]> {
+        let all = self.springs.reactions(data.mesh, data.space, self.corrections);
+        let own = all.into_iter().filter(|(side, _)| sides.contains(side)).map(|(_, force)| force);
+        own.reduce(|a, b| [a[0] + b[0], a[1] + b[1]])
+    }
+}
+
+/// The forces of sides and of interfaces between bodies, of u and of u₊.
+fn forces(
+    data: &OnMesh<'_>,
+    solved: &Solved,
+    changes: &Changes<'_>,
+    fields: Option<&[ElasticField<'_>; 2]>,
+) -> Vec<[f64; 2]> {
+    let scene = data.scene;
+    let with_change = |force: [f64; 2], sign: f64, sides: &[usize]| {
+        let of_springs = changes.of_springs(data, sides);
+        let gained = of_springs.unwrap_or_else(|| data.change_of_force(sides, changes.forces, fields));
+        [0, 1].map(|i| [force[i], force[i] + sign * gained[i]])
+    };
+    let of_sides = quantities::forces(scene, &solved.reactions).map(|(force, side)| with_change(force, 1.0, &[side]));
+    let between = quantities::forces_between(scene)
+        .map(|(_, interface)| with_change(force_of(scene, interface, solved), sign_of(interface), &interface.sides));
+    of_sides.chain(between).flatten().collect()
 }
 
 /// The largest von Mises stress of u and that of u₊ at its place, and the place; None where it is infinite, and beside a medium.
@@ -312,13 +333,9 @@ impl OnMesh<'_> {
         work
     }
 
-    /// The moments and weighted forces of the nodal forces with their change.
-    fn works_with(
-        &self,
-        works: &[f64],
-        (change, of_springs): (&[f64], &dyn Fn(usize, &dyn Fn([f64; 2]) -> [f64; 2]) -> f64),
-        fields: &[ElasticField<'_>; 2],
-    ) -> Vec<f64> {
+    /// The moments and weighted forces of u₊.
+    fn works_with(&self, works: &[f64], changes: &Changes<'_>, fields: &[ElasticField<'_>; 2]) -> Vec<f64> {
+        let Changes { forces, springs, corrections } = *changes;
         let mut works = works.iter().copied();
         let with = |quantity: &NamedQuantity| {
             let (side, w) = quantity.kind.weighted_side()?;
@@ -326,9 +343,9 @@ impl OnMesh<'_> {
             if !self.is_balanced(side) {
                 return Some(work);
             }
-            let of_nodes = || self.on_sides(&[side], &w).iter().zip(change).map(|(w, f)| w * f).sum();
+            let of_nodes = || self.on_sides(&[side], &w).iter().zip(forces).map(|(w, f)| w * f).sum();
             let gained: f64 = if self.scene.problem.sides[side].springs.is_some() {
-                of_springs(side, &w)
+                springs.work(self, corrections, side, &w)
             } else if works_alone(self.scene, side, &w) {
                 of_nodes()
             } else {
