@@ -111,37 +111,10 @@ pub(crate) fn both(
     let mut functionals =
         if with_duals { data.functionals(solved, (field.as_ref(), around.as_ref()), &peaks) } else { Vec::new() };
     functionals.resize(both.len(), None);
-    if has_reaction_work(scene) {
-        let of_jump =
-            of_jump.as_ref().map_or(Ok(None), |(_, jump)| work_on_jump(data, solved, duals, (&correction, jump)))?;
-        let (works, slope) = match of_jump {
-            Some(own) => own,
-            None => {
-                let prescribed = data.prescribed(solved, body);
-                let works = data.reaction_work(solved, &prescribed, &change)?;
-                (works, LinearFunctional { of_forces: prescribed, ..LinearFunctional::default() })
-            }
-        };
-        both.push(works);
-        functionals.push(with_duals.then_some(slope));
-    }
-    if has_friction_work(scene) {
-        both.push(data.friction_work((solved, factors), bubbles, &correction, &change)?);
-        functionals.push(None);
-    }
-    if has_strain_of_bodies(scene) {
-        for (strain, slope) in strain_of_bodies(data, solved, duals, &correction) {
-            both.push(strain);
-            functionals.push(with_duals.then_some(slope));
-        }
-    }
-    if scene.problem.has_springs() {
-        let at = |u: &[f64]| system.springs.pull(data.space, system.frames.len(), u);
-        let (pull, of_correction) = (at(&solved.displacement), at(&corrections));
-        let energy = solved.energies.springs;
-        both.push([energy, energy + correction.dot(&pull) + 0.5 * correction.dot(&of_correction)]);
-        let slope = LinearFunctional { of_energy: Some((0, pull, Vec::new())), ..LinearFunctional::default() };
-        functionals.push(with_duals.then_some(slope));
+    let of_energies = energies((data, solved, factors), duals, bubbles, (&correction, &changes), of_jump.as_ref())?;
+    for (values, slope) in of_energies {
+        both.push(values);
+        functionals.push(slope.filter(|_| with_duals));
     }
     if has_largest_stress(scene) {
         both.push(largest.map_or([f64::NAN; 2], |(own, _)| own));
@@ -195,6 +168,50 @@ fn forces(
     let between = quantities::forces_between(scene)
         .map(|(_, interface)| with_change(force_of(scene, interface, solved), sign_of(interface), &interface.sides));
     of_sides.chain(between).flatten().collect()
+}
+
+/// A value of u and of u₊, and its slope where that is known.
+type WithSlope = ([f64; 2], Option<LinearFunctional>);
+
+/// The works of reactions and against friction, the strain energies of bodies and that of springs, of u and of u₊, with their slopes where
+/// these are known; `of_jump` are the number of a medium and the bubbles of the jump between it and a body.
+fn energies(
+    (data, solved, factors): (&OnMesh<'_>, &Solved, &Factors),
+    duals: &Duals<'_>,
+    bubbles: &[ContactBubble],
+    (correction, changes): (&Enriched, &Changes<'_>),
+    of_jump: Option<&(usize, Vec<f64>)>,
+) -> Result<Vec<WithSlope>, SolveError> {
+    let scene = data.scene;
+    let mut all = Vec::new();
+    if has_reaction_work(scene) {
+        let of_jump = of_jump.map_or(Ok(None), |(_, jump)| work_on_jump(data, solved, duals, (correction, jump)))?;
+        let (works, slope) = match of_jump {
+            Some(own) => own,
+            None => {
+                let prescribed = data.prescribed(solved, duals.body);
+                let works = data.reaction_work(solved, &prescribed, changes.forces)?;
+                (works, LinearFunctional { of_forces: prescribed, ..LinearFunctional::default() })
+            }
+        };
+        all.push((works, Some(slope)));
+    }
+    if has_friction_work(scene) {
+        all.push((data.friction_work((solved, factors), bubbles, correction, changes.forces)?, None));
+    }
+    if has_strain_of_bodies(scene) {
+        let own = strain_of_bodies(data, solved, duals, correction).into_iter();
+        all.extend(own.map(|(strain, slope)| (strain, Some(slope))));
+    }
+    if scene.problem.has_springs() {
+        let at = |u: &[f64]| changes.springs.pull(data.space, correction.extra.len() / 2, u);
+        let (pull, of_correction) = (at(&solved.displacement), at(changes.corrections));
+        let energy = solved.energies.springs;
+        let enriched = energy + correction.dot(&pull) + 0.5 * correction.dot(&of_correction);
+        let slope = LinearFunctional { of_energy: Some((0, pull, Vec::new())), ..LinearFunctional::default() };
+        all.push(([energy, enriched], Some(slope)));
+    }
+    Ok(all)
 }
 
 /// The largest von Mises stress of u and that of u₊ at its place, and the place; None where it is infinite, and beside a medium.
