@@ -6,10 +6,19 @@ use steklov_model::quantities::Quantity;
 use steklov_model::summary::Summary;
 use steklov_tests::{parse, scene, summary as solved};
 
+use crate::error_bars::quantity;
+
 const ENERGIES: [&str; 3] = ["strain_energy", "load_work", "friction_work"];
 
-fn quantity<'s>(summary: &'s Summary, path: &str) -> &'s Quantity {
-    summary.quantities.get(path).unwrap_or_else(|| panic!("{path} of {:?}", summary.quantities.keys()))
+/// Asserts that numbers are known values to within two bars, and bars below the tolerance.
+fn assert_known(summary: &Summary, tolerance: f64, known: &[(&str, f64)]) {
+    for &(path, exact) in known {
+        let Quantity { value, uncertainty, .. } = quantity(summary, path);
+        let error = (value - exact).abs();
+        println!("{tolerance:e} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+        assert!(error <= 2.0 * uncertainty, "{path} at {tolerance:e}: {error:e} and {uncertainty:e}");
+        assert!(*uncertainty <= tolerance * exact.abs(), "{path} at {tolerance:e}: {uncertainty:e}");
+    }
 }
 
 /// A ring whose inner edge is pushed out by w and whose outer edge bears the pressure q.
@@ -36,13 +45,7 @@ fn energies_of_a_ring_that_is_pushed_out_are_lames() {
             circle(a, "inner")
         );
         let summary = solved(&parse(&text, &[]).unwrap_or_else(|e| panic!("{e:?}")));
-        for (path, exact) in [("strain_energy", strain), ("load_work", work)] {
-            let Quantity { value, uncertainty, .. } = quantity(&summary, path);
-            let error = (value - exact).abs();
-            println!("{tolerance:e} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
-            assert!(error <= 2.0 * uncertainty, "{path} at {tolerance:e}: {error:e} and {uncertainty:e}");
-            assert!(*uncertainty <= tolerance * exact.abs(), "{path} at {tolerance:e}: {uncertainty:e}");
-        }
+        assert_known(&summary, tolerance, &[("strain_energy", strain), ("load_work", work)]);
     }
 }
 
@@ -73,16 +76,13 @@ fn energies_of_pressed_rings_are_lames() {
                 ring("outer", c, b)
             );
             let summary = solved(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())));
-            let all = strain[0] + strain[1];
-            for (path, exact) in
-                [("strain_energy", all), ("bodies.0.strain_energy", strain[0]), ("bodies.1.strain_energy", strain[1])]
-            {
-                let Quantity { value, uncertainty, .. } = quantity(&summary, path);
-                let error = (value - exact).abs();
-                println!("{tolerance:e} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
-                assert!(error <= 2.0 * uncertainty, "{path} at {tolerance:e}: {error:e} and {uncertainty:e}");
-                assert!(*uncertainty <= tolerance * exact.abs(), "{path} at {tolerance:e}: {uncertainty:e}");
-            }
+            let [inner, outer] = strain;
+            let known = [
+                ("strain_energy", inner + outer),
+                ("bodies.0.strain_energy", inner),
+                ("bodies.1.strain_energy", outer),
+            ];
+            assert_known(&summary, tolerance, &known);
         }
     }
 }

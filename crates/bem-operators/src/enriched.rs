@@ -21,6 +21,11 @@ use crate::{BemError, Bubbles, Enrichment, Mesh, PairCache, Space, TractionMap};
 /// ```text
 /// ψ_x = L_xx⁻ᵀ (X_xb u_b + X_xx u_x)         ψ_b = L⁻ᵀ (X_bb u_b + X_bx u_x - L_xbᵀψ_x)
 /// ```
+/// If the displacement is bounded at infinity, L⁻¹H 1 = QR, the constant there is that of the base with L⁻¹(H₊u₊ - V_bx ψ_x) for L⁻¹Hu:
+///
+/// ```text
+/// a = R⁻¹Qᵀ (L⁻¹H u_b + L⁻¹H_bx u_x - L⁻¹V_bx ψ_x)
+/// ```
 ///
 /// Source: Heuer, Mellado and Stephan (2001), two-level hp boundary elements.
 #[derive(Debug, Clone)]
@@ -37,6 +42,8 @@ pub struct EnrichedSteklov {
     bubble: Mat<f64>,
     /// L_xbᵀ and X_bx, N×n, which tractions need.
     of_tractions: Option<[Mat<f64>; 2]>,
+    /// R⁻¹QᵀL⁻¹H_bx and R⁻¹QᵀL⁻¹V_bx, 2×n, and L⁻ᵀQR⁻ᵀ, N×2, which the constant at infinity needs, if there is one and tractions are wanted.
+    of_constant: Option<([Mat<f64>; 2], Mat<f64>)>,
     /// 2×2 blocks of V and W on the diagonal, one for each element.
     blocks: Vec<[[[f64; 2]; 2]; 2]>,
 }
@@ -70,7 +77,8 @@ impl EnrichedSteklov {
         with_tractions: bool,
     ) -> Result<Self, BemError> {
         let (enrichment, bubbles) = Enrichment::assemble(mesh, space, material, length, cache)?;
-        let layers = Layers::new(enrichment, traction, [length, mesh.diameter()], with_tractions)?;
+        let resultants = with_tractions.then(|| resultants(mesh, space));
+        let layers = Layers::new(enrichment, traction, [length, mesh.diameter()], resultants.as_ref())?;
         let bubbles = match bubbles {
             Some(bubbles) => bubbles,
             None => Bubbles::assemble(mesh, space, material, length, cache)?,
@@ -90,17 +98,19 @@ struct Layers {
     x_bubble: Mat<f64>,
     /// Its image.
     of_bubble: Option<Image>,
+    /// R⁻¹QᵀL⁻¹H_bx and R⁻¹QᵀL⁻¹V_bx, and L⁻ᵀQR⁻ᵀ.
+    of_constant: Option<([Mat<f64>; 2], Mat<f64>)>,
     /// 2×2 blocks of V on the diagonal.
     blocks: Vec<[[f64; 2]; 2]>,
 }
 
 impl Layers {
-    /// Builds the layers in the storage of the enrichment.
+    /// Builds the layers in the storage of the enrichment; with what tractions need if the resultants of the base tractions are given.
     fn new(
         enrichment: Enrichment,
         traction: &TractionMap,
         [length, diameter]: [f64; 2],
-        with_tractions: bool,
+        resultants: Option<&Mat<f64>>,
     ) -> Result<Self, BemError> {
         let (l, x, of_x) = traction.factors();
         let n = x.nrows();
@@ -123,6 +133,8 @@ impl Layers {
         // L_xb = Yᵀ with Y = L⁻¹V_bx
         let mut of_y = Some(solve_lower(l, y.as_mut(), None)?);
         let mut of_bubble = Some(solve_lower(l, x_bubble.as_mut(), None)?);
+        let of_constant =
+            resultants.and_then(|resultants| traction.constants(resultants, [x_bubble.as_ref(), y.as_ref()]));
         traction.balance(y.as_mut(), &mut of_y);
         traction.balance(x_bubble.as_mut(), &mut of_bubble);
         add_product(factor.as_mut(), y.transpose(), y.as_ref(), -1.0, of_y.as_ref())?;
@@ -131,23 +143,32 @@ impl Layers {
         cholesky(factor.as_mut()).map_err(|none| none.or(indefinite))?;
         let of_top = add_product(top.as_mut(), y.transpose(), x, -1.0, of_x)?;
         let of_corner = add_product(corner.as_mut(), y.transpose(), x_bubble.as_ref(), -1.0, of_bubble.as_ref())?;
-        let mixed = with_tractions.then_some(y);
+        let mixed = resultants.is_some().then_some(y);
         solve_lower(factor.as_ref(), top.as_mut(), Some(&of_top))?;
         solve_lower(factor.as_ref(), corner.as_mut(), Some(&of_corner))?;
-        Ok(Self { factor, top, corner, mixed, x_bubble, of_bubble, blocks })
+        Ok(Self { factor, top, corner, mixed, x_bubble, of_bubble, of_constant, blocks })
     }
 
     /// Works in the storage of the blocks of W.
     fn with(self, bubbles: Bubbles, traction: &TractionMap) -> Result<EnrichedSteklov, BemError> {
-        let Self { factor, top, corner, mixed, x_bubble, of_bubble, blocks } = self;
+        let Self { factor, top, corner, mixed, x_bubble, of_bubble, of_constant, blocks } = self;
         let Bubbles { w: mut coupling, w_corner: mut bubble } = bubbles;
         let blocks = blocks.into_iter().zip(diagonal_blocks(&bubble)).map(|(v, w)| [v, w]).collect();
         let (_, x, _) = traction.factors();
         add_product(coupling.as_mut(), x.transpose(), x_bubble.as_ref(), 1.0, of_bubble.as_ref())?;
         add_product(bubble.as_mut(), x_bubble.transpose(), x_bubble.as_ref(), 1.0, of_bubble.as_ref())?;
         let of_tractions = mixed.map(|mixed| [mixed, x_bubble]);
-        Ok(EnrichedSteklov { factor, top, corner, coupling, bubble, of_tractions, blocks })
+        Ok(EnrichedSteklov { factor, top, corner, coupling, bubble, of_tractions, of_constant, blocks })
     }
+}
+
+/// The resultants ∫ ψ ds of the base tractions, traction × 2.
+fn resultants(mesh: &Mesh, space: &Space) -> Mat<f64> {
+    let mut all = Mat::zeros(2 * space.offset[mesh.len()], 2);
+    for (e, i) in (0..mesh.len()).flat_map(|e| [(e, 0), (e, 1)]) {
+        all[(2 * space.offset[e] + i, i)] = mesh.length(e);
+    }
+    all
 }
 
 /// The 2×2 blocks on the diagonal of a matrix.
@@ -202,6 +223,35 @@ impl EnrichedSteklov {
         let sign = if of_base.domain().is_exterior() { -1.0 } else { 1.0 };
         let base = of_base.with_correction(&u.base, &values(&correction));
         Some(Enriched { base, extra: top.iter().map(|t| sign * t).collect() })
+    }
+
+    /// The constant a to which an enriched displacement with these tractions tends at infinity; `of_base` has that of the base. 0 unless the
+    /// domain asks for a constant.
+    pub fn at_infinity(&self, of_base: &TractionMap, u: &Enriched, traction: &Enriched) -> [f64; 2] {
+        let own = of_base.at_infinity(&u.base);
+        let Some(([of_bubble, of_top], _)) = &self.of_constant else { return own };
+        let sign = if of_base.domain().is_exterior() { -1.0 } else { 1.0 };
+        let (bubbles, tops) = (of_bubble * column(&u.extra), of_top * column(&traction.extra));
+        [0, 1].map(|i| own[i] + bubbles[i] - sign * tops[i])
+    }
+
+    /// The right side of the dual problem of w·a, a the constant at infinity: on the nodes, on the bubbles and on the top tractions. None
+    /// without a constant, or if tractions were not wanted.
+    pub fn dual_of_constant(&self, of_base: &TractionMap, w: [f64; 2]) -> Option<[Vec<f64>; 3]> {
+        let ([of_bubble, of_top], _) = self.of_constant.as_ref()?;
+        let constant = &of_base.parts().translations.as_ref()?.constant;
+        let along = |a: &Mat<f64>, sign: f64| a.col_iter().map(|a| sign * (w[0] * a[0] + w[1] * a[1])).collect();
+        Some([along(constant, 1.0), along(of_bubble, 1.0), along(of_top, -1.0)])
+    }
+
+    /// ζ = V⁻¹(Hz - j): the traction of the dual solution z of a functional whose values of the base tractions are j and whose weights of
+    /// the constant at infinity are w.
+    pub fn dual_traction(&self, of_base: &TractionMap, z: &[f64], (j, w): (&[f64], [f64; 2])) -> Vec<f64> {
+        let mut zeta = of_base.apply_dual(z, j);
+        if let Some((_, densities)) = &self.of_constant {
+            zeta.iter_mut().enumerate().for_each(|(k, t)| *t -= w[0] * densities[(k, 0)] + w[1] * densities[(k, 1)]);
+        }
+        zeta
     }
 
     /// The right side of the dual problem of a functional of the traction, by its values j of the tractions, in the form that has displacements

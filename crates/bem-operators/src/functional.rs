@@ -1,7 +1,7 @@
 //! Linear functionals of the field of a boundary.
 //!
 //! ```text
-//! J(u, ψ) = Σ_e Σ_n (a_n·û_n + d_n·û'_n + b_n·ψ_n)       û, û', ψ Legendre coefficients of u, du/dt and the traction on an element
+//! J(u, ψ) = Σ_e Σ_n (a_n·û_n + d_n·û'_n + b_n·ψ_n) + c·a       û, û', ψ Legendre coefficients of u, du/dt and the traction on an element
 //! ```
 //! Of the enriched spaces they are known by their values of the nodal functions and bubbles, and of the tractions: the right side of the
 //! dual problem.
@@ -17,6 +17,8 @@ use crate::{BoundaryField, Enriched, Space, Trace};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Functional {
     elements: Vec<Weights>,
+    /// c, of the constant a at infinity.
+    constant: [f64; 2],
 }
 
 /// The weights of the coefficients of an element; none where they are 0.
@@ -30,7 +32,7 @@ struct Weights {
 impl Functional {
     /// 0, for the fields of a boundary of that many elements.
     pub fn zero(elements: usize) -> Self {
-        Self { elements: vec![Weights::default(); elements] }
+        Self { elements: vec![Weights::default(); elements], constant: [0.0; 2] }
     }
 
     /// The sum of functionals of one boundary, times these factors.
@@ -45,6 +47,7 @@ impl Functional {
                 own.add(factor, &weights.derivative, 1);
                 own.add(factor, &weights.traction, 2);
             }
+            (0..2).for_each(|i| sum.constant[i] += factor * functional.constant[i]);
         }
         sum
     }
@@ -69,7 +72,7 @@ impl Functional {
         add_all(&mut weights.traction, &p[..piece.traction.len()], traction);
     }
 
-    /// Its value of a field of the same boundary, of degrees that are not higher; the constant and the motion of that are left out.
+    /// Its value of a field of the same boundary, of degrees that are not higher; the motion of that is left out.
     pub fn of(&self, field: &BoundaryField) -> f64 {
         let sum = |w: &[[f64; 2]], c: &[[f64; 2]]| w.iter().zip(c).map(|(w, c)| w[0] * c[0] + w[1] * c[1]).sum::<f64>();
         let on = |(w, piece): (&Weights, &crate::potential::Piece)| {
@@ -77,7 +80,18 @@ impl Functional {
                 + sum(&w.derivative, &piece.derivative)
                 + sum(&w.traction, &piece.traction)
         };
-        self.elements.iter().zip(&field.elements).map(on).sum()
+        let of_constant = sum(&[self.constant], &[field.at_infinity()]);
+        self.elements.iter().zip(&field.elements).map(on).sum::<f64>() + of_constant
+    }
+
+    /// The same functional with other weights c of the constant at infinity.
+    pub fn with_constant(self, constant: [f64; 2]) -> Self {
+        Self { constant, ..self }
+    }
+
+    /// Its weights c of the constant at infinity.
+    pub fn of_constant(&self) -> [f64; 2] {
+        self.constant
     }
 
     /// Its values of the functions of the enriched spaces of a space of one degree less than its own: of displacements, and of tractions.
@@ -140,6 +154,7 @@ impl BoundaryField {
     pub fn functionals_inside(&self, x: [f64; 2]) -> [Functional; 5] {
         let x = Complex64::new(x[0], x[1]);
         let mut all = [(); 5].map(|()| Functional::zero(self.elements.len()));
+        (0..2).for_each(|i| all[i].constant[i] = 1.0);
         let mut at = AtPoint::default();
         for (e, piece) in self.elements.iter().enumerate() {
             at.at_distance(piece, x);

@@ -1,7 +1,7 @@
 //! The symmetric Steklov-Poincaré matrix.
 
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
 use faer::{Accum, Col, Mat, MatMut, MatRef, Par};
 use steklov_algebra::{Image, add_to_lower, check_cholesky, cholesky, parts, solve_lower};
@@ -302,6 +302,31 @@ impl TractionMap {
         }
     }
 
+    /// R⁻¹Qᵀ times matrices and L⁻ᵀQR⁻ᵀ, L⁻¹H 1 = L⁻¹ times the resultants of the tractions = QR; None unless the displacement is bounded
+    /// at infinity.
+    pub(crate) fn constants(
+        &self,
+        resultants: &Mat<f64>,
+        of: [MatRef<'_, f64>; 2],
+    ) -> Option<([Mat<f64>; 2], Mat<f64>)> {
+        let basis = &self.parts.translations.as_ref()?.basis;
+        let factor = self.parts.factor.as_ref();
+        let mut moved = resultants.clone();
+        solve_lower_triangular_in_place(factor, moved.as_mut(), Par::Seq);
+        let upper = along(basis, moved.as_ref());
+        let [a, b] = of.map(|a| {
+            let mut constant = along(basis, a);
+            solve_upper_triangular_in_place(upper.as_ref(), constant.as_mut(), Par::Seq);
+            constant
+        });
+        // (R⁻¹Qᵀ)ᵀ
+        let mut densities = basis.transpose().to_owned();
+        solve_upper_triangular_in_place(upper.as_ref(), densities.as_mut(), Par::Seq);
+        let mut densities = densities.transpose().to_owned();
+        solve_upper_triangular_in_place(factor.transpose(), densities.as_mut(), Par::Seq);
+        Some(([a, b], densities))
+    }
+
     /// The constant a to which the displacement tends at infinity, from a nodal displacement on the boundary; 0 unless the
     /// domain asks for a constant.
     pub fn at_infinity(&self, displacement: &[f64]) -> [f64; 2] {
@@ -314,6 +339,15 @@ impl TractionMap {
     /// Legendre coefficients of the traction t = σ(u)n of a nodal displacement, interleaved as [`crate::Space`] says.
     pub fn apply(&self, displacement: &[f64]) -> Vec<f64> {
         self.with_correction(displacement, &[])
+    }
+
+    /// ζ = V⁻¹(Hz - j): the traction of the dual solution z of a functional whose values of the tractions are j.
+    pub(crate) fn apply_dual(&self, z: &[f64], j: &[f64]) -> Vec<f64> {
+        let sign = if self.parts.domain.is_exterior() { 1.0 } else { -1.0 };
+        let mut y = Mat::from_fn(j.len(), 1, |i, _| sign * j[i]);
+        solve_lower_triangular_in_place(self.parts.factor.as_ref(), y.as_mut(), Par::Seq);
+        self.balance(y.as_mut(), &mut None);
+        self.with_correction(z, y.col_as_slice(0))
     }
 
     /// The same of L⁻¹H u with a correction, or without one.

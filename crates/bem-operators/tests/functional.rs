@@ -77,12 +77,18 @@ proptest! {
     }
 }
 
-/// j·ψ₊ of an enriched displacement v is that of the right side on nodes and bubbles, and on the top tractions of ψ₊.
+/// j·ψ₊ and w·a of an enriched displacement v, a the constant at infinity, are those of the right side on nodes and bubbles, and on the top
+/// tractions of ψ₊.
 #[test]
-fn the_dual_right_side_has_the_values_of_tractions() {
-    let outside = Polygon::outside(vec![Loop::circle([0.0, 0.0], 1.0, 4, "c")]).unwrap();
-    for (polygon, domain) in [(polygon(), Domain::Interior), (polygon(), Domain::Exterior), (outside, Domain::Interior)]
-    {
+fn the_dual_right_side_has_the_values_of_tractions_and_of_the_constant() {
+    let outside = || Polygon::outside(vec![Loop::circle([0.0, 0.0], 1.0, 4, "c")]).unwrap();
+    for (polygon, domain) in [
+        (polygon(), Domain::Interior),
+        (polygon(), Domain::Exterior),
+        (outside(), Domain::Interior),
+        (outside(), Domain::BoundedAtInfinity),
+        (polygon(), Domain::ExteriorBoundedAtInfinity),
+    ] {
         let mesh = Mesh::uniform(&polygon, 16, 2);
         let space = Space::new(&mesh);
         let mut cache = PairCache::default();
@@ -94,11 +100,18 @@ fn the_dual_right_side_has_the_values_of_tractions() {
         let values: Vec<f64> = (0..211).map(|k| (1.3 * k as f64).sin()).collect();
         let [v, j] = enriched(&mesh, &space, &values);
         let traction = plus.traction(map, &v).unwrap();
-        let [nodes, bubbles, top] = plus.dual_of_traction(map, &j).unwrap();
-        let sign = if matches!(domain, Domain::Exterior) { -1.0 } else { 1.0 };
+        let sign = if matches!(domain, Domain::Exterior | Domain::ExteriorBoundedAtInfinity) { -1.0 } else { 1.0 };
         let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let found = sum(&nodes, &v.base) + sum(&bubbles, &v.extra) + sign * sum(&top, &traction.extra);
-        let exact = j.dot(&traction);
+        let of = |[nodes, bubbles, top]: [Vec<f64>; 3]| {
+            sum(&nodes, &v.base) + sum(&bubbles, &v.extra) + sign * sum(&top, &traction.extra)
+        };
+        let (found, exact) = (of(plus.dual_of_traction(map, &j).unwrap()), j.dot(&traction));
         assert!((found - exact).abs() < 1e-9 * (1.0 + exact.abs()), "{domain:?}: {found} {exact}");
+        let ([x, y], w) = (plus.at_infinity(map, &v, &traction), [0.7, -1.1]);
+        let of_constant = plus.dual_of_constant(map, w);
+        let bounded = matches!(domain, Domain::BoundedAtInfinity | Domain::ExteriorBoundedAtInfinity);
+        assert_eq!(of_constant.is_some(), bounded, "{domain:?}");
+        let (found, exact) = (of_constant.map_or(0.0, of), w[0] * x + w[1] * y);
+        assert!((found - exact).abs() < 1e-11 && bounded == (exact != 0.0), "{domain:?}: {found} {exact}");
     }
 }

@@ -10,7 +10,7 @@ use steklov_algebra::symmetric_eigenvalues;
 use steklov_bem_operators::proptest::{material, star};
 use steklov_bem_operators::{
     BoundaryField, Condensation, Domain, Enriched, EnrichedSteklov, Location, Loop, Mesh, Operators, PairCache,
-    Partition, Polygon, PolygonError, Space, Steklov,
+    Partition, Polygon, PolygonError, Raised, Space, Steklov,
 };
 use steklov_elastic::{Material, Plane, RigidMotion};
 
@@ -222,7 +222,7 @@ proptest! {
         let base = Operators::to_enrich(&mesh, &space, &material, None, &mut cache).unwrap();
         let length = base.length;
         let steklov = Steklov::new(base, domain).expect("S");
-        let enriched = EnrichedSteklov::new(&mesh, &space, &material, length, &steklov.traction, &mut cache, false).unwrap();
+        let enriched = EnrichedSteklov::new(&mesh, &space, &material, length, &steklov.traction, &mut cache, true).unwrap();
         let field = |x: [f64; 2]| [x[0] * x[1] + 0.3, (x[0] - 2.0 * x[1]).cos()];
         let u = space.interpolate(field);
         // the same function on the raised mesh
@@ -243,6 +243,17 @@ proptest! {
         let want = dot(&same, &product(&whole.matrix, &same));
         prop_assert!((energy - want).abs() < 1e-11 * want, "{energy} {want}");
         prop_assert!(energy > dot(&u, &force) * (1.0 + 1e-9), "the enriched tractions change nothing");
+        // with bubbles: the same tractions and the same constant at infinity
+        let extra = (0..2 * mesh.len()).map(|k| (1.7 * k as f64).cos()).collect();
+        let v = Enriched { base: u, extra };
+        let traction = enriched.traction(&steklov.traction, &v).unwrap();
+        let a = enriched.at_infinity(&steklov.traction, &v, &traction);
+        let found = Raised::new(&mesh, &space, &v, &traction);
+        let want = whole.traction.apply(&found.displacement);
+        let off = found.traction.iter().zip(&want).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        prop_assert!(off < 1e-9 * max_abs(&want), "{off}");
+        let b = whole.traction.at_infinity(&found.displacement);
+        prop_assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-10 && bounded == (a != [0.0; 2]), "{a:?} {b:?}");
     }
 }
 

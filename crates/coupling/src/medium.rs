@@ -101,9 +101,13 @@ impl MediumField {
         self.field.trace(e, t)
     }
 
-    /// Displacement x, y and stress xx, yy, xy at a point outside of the body, without a, as functionals of fields of these degrees.
+    /// Displacement x, y and stress xx, yy, xy at a point outside of the body as functionals of fields of these degrees.
     pub fn functionals_at(&self, x: [f64; 2]) -> [Functional; 5] {
-        self.field.functionals_inside(x).map(|own| Functional::sum(&[own], &[-1.0]))
+        self.field.functionals_inside(x).map(|own| {
+            // the constant alone has the sign of the field
+            let constant = own.of_constant();
+            Functional::sum(&[own], &[-1.0]).with_constant(constant)
+        })
     }
 
     /// Values at a point outside of the body (not on the boundary; in the body u is 0 up to the error).

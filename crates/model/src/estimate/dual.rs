@@ -19,12 +19,15 @@ use steklov_algebra::least_squares;
 use steklov_bem_operators::SAME_PLACE;
 use steklov_contact::TipFit;
 use steklov_elastic::plane::dot;
+use steklov_quadrature::legendre_p;
 
 use crate::data::on_mesh::OnMesh;
 use crate::estimate::contact_ends::ContactEnd;
 use crate::estimate::enriched_problem::System;
-use crate::estimate::functionals::LinearFunctional;
+use crate::estimate::functionals::{LinearFunctional, OfEnergy};
+use crate::estimate::nonconformity::{Left, Nonconformity};
 use crate::solve::body::Body;
+use crate::solve::fields::Field;
 use crate::solve::rotations::{orthonormal, project_off_basis};
 use crate::solve::solution::Solved;
 
@@ -78,7 +81,7 @@ struct Dual {
 pub(crate) struct Weighted {
     /// Σ |η_e|.
     pub(crate) sum: f64,
-    /// What J(u₊) lacks where u₊ leaves a residual: that times z.
+    /// What J(u₊) lacks where u₊ leaves a residual, that times z, and where displacements of bodies do not agree.
     pub(crate) of_rest: f64,
     /// How much J changes by ends of contact that are not at their vertices.
     pub(crate) of_ends: f64,
@@ -89,15 +92,62 @@ impl Duals<'_> {
     pub(crate) fn weighted(
         &self,
         functional: &LinearFunctional,
-        rest: &[f64],
+        (rest, nonconformity): (&[f64], Option<(&Field, &Nonconformity)>),
         ends: &[ContactEnd],
     ) -> Option<Weighted> {
         let dual = self.dual(functional)?;
-        let of_rest: f64 = dual.free.iter().zip(rest).map(|(z, r)| z * r).sum();
-        let of_rest = if functional.of_forces.is_empty() { of_rest } else { -of_rest };
-        let sum = self.residuals(&dual).iter().map(|eta| eta.abs()).sum();
+        // a force is the opposite of what its dual solution weighs
+        let sign = if functional.of_forces.is_empty() { 1.0 } else { -1.0 };
+        let of_rest = sign * dual.free.iter().zip(rest).map(|(z, r)| z * r).sum::<f64>();
+        let work =
+            nonconformity.map_or(0.0, |(field, left)| self.work_on_nonconformity(functional, &dual, (field, left)));
+        let sum = self.residuals(&dual).iter().map(|eta| eta.abs()).sum::<f64>() + work.abs();
         let of_ends = ends.iter().map(|end| self.of_end(end, &dual.z)).sum();
-        Some(Weighted { sum, of_rest, of_ends })
+        Some(Weighted { sum, of_rest: of_rest + sign * work, of_ends })
+    }
+
+    /// ∫ τ·w, τ the traction of the dual solution on the side that carries multipliers; 0 where the functional is one of displacements or
+    /// tractions there, with which that of z jumps.
+    fn work_on_nonconformity(
+        &self,
+        functional: &LinearFunctional,
+        dual: &Dual,
+        (field, nonconformity): (&Field, &Nonconformity),
+    ) -> f64 {
+        if functional.traces.iter().any(|&e| nonconformity.has(e)) {
+            return 0.0;
+        }
+        let mesh = &self.body.mesh;
+        let mut tractions: Vec<Option<Vec<f64>>> = vec![None; self.body.pieces.len()];
+        let mut legendre = Vec::new();
+        let on = |left: &Left| {
+            let (e, t) = left.places[0];
+            let (piece, local) = field.place(e);
+            let own = tractions[piece].get_or_insert_with(|| self.traction(functional, dual, piece));
+            let space = &self.body.pieces[piece].piece.part.space;
+            legendre.resize(space.degree(local), 0.0);
+            legendre_p(t, &mut legendre);
+            let w = left.vector();
+            let along = |m: usize| own[2 * m] * w[0] + own[2 * m + 1] * w[1];
+            let sum: f64 = legendre.iter().zip(space.offset[local]..).map(|(p, m)| p * along(m)).sum();
+            // coefficients are those of traction times length on curves
+            left.ds * mesh.length(e) / 2.0 / mesh.speed(e, t) * sum
+        };
+        nonconformity.points.iter().map(on).sum()
+    }
+
+    /// The traction of the dual solution on a piece, without what the functional loads it with.
+    fn traction(&self, functional: &LinearFunctional, dual: &Dual, piece: usize) -> Vec<f64> {
+        let assembled = &self.body.pieces[piece];
+        let mut j = vec![0.0; assembled.piece.part.space.dofs()];
+        let mut constant = [0.0; 2];
+        for (_, own) in functional.of_fields.iter().filter(|(own, _)| *own == piece) {
+            let [_, values] = own.enriched(&assembled.piece.part.space);
+            j.iter_mut().zip(&values.base).for_each(|(j, own)| *j += own);
+            (0..2).for_each(|i| constant[i] += own.of_constant()[i]);
+        }
+        let of_energy = functional.of_energy.as_ref().filter(|of| of.piece == piece).map(|of| &of.of[..]);
+        self.system.elastic.dual_traction(piece, &assembled.traction_map, (&dual.z, of_energy), (&j, constant))
     }
 
     fn dual(&self, functional: &LinearFunctional) -> Option<Dual> {
@@ -108,12 +158,12 @@ impl Duals<'_> {
                 Some(assembled) => (&assembled.piece.part.space, &*assembled.traction_map),
                 None => (&self.body.space, &self.body.outside.as_ref()?.traction_map),
             };
-            let values = of_field.enriched(space);
-            let (own, top) = self.system.elastic.dual_load(*piece, traction_map, &values)?;
+            let values = (&of_field.enriched(space), of_field.of_constant());
+            let (own, top) = self.system.elastic.dual_load(*piece, traction_map, values)?;
             load.add(1.0, &own);
             tops.push((*piece, top));
         }
-        if let Some((piece, own, top)) = &functional.of_energy {
+        if let Some(OfEnergy { piece, load: own, top, .. }) = &functional.of_energy {
             load.add(1.0, own);
             tops.push((*piece, top.clone()));
         }

@@ -237,21 +237,44 @@ impl<'a> Elastic<'a> {
     }
 
     /// The loads of the dual problem of a functional of the field of a piece with this traction map, by its values j of the enriched
-    /// functions: on nodes and bubbles, and on the top tractions of the piece; None without tractions.
+    /// functions and of the constant at infinity: on nodes and bubbles, and on the top tractions of the piece; None without tractions.
     pub(crate) fn dual_load(
         &self,
         piece: usize,
         of_base: &TractionMap,
-        [displacement, traction]: &[Enriched; 2],
+        ([displacement, traction], constant): (&[Enriched; 2], [f64; 2]),
     ) -> Option<(Enriched, Vec<f64>)> {
         let part = &self.parts[piece];
-        let [base, extra, top] = part.enriched.dual_of_traction(of_base, traction)?;
+        let mut all = part.enriched.dual_of_traction(of_base, traction)?;
         // the tractions are those of the map times the modulus
-        let with = |u: &[f64], t: Vec<f64>| u.iter().zip(t).map(|(u, t)| u / part.modulus + t).collect::<Vec<f64>>();
-        let mut all = self.zero();
-        part.add_base(&mut all.base, with(&displacement.base, base));
-        part.add_extra(&mut all.extra, &with(&displacement.extra, extra));
-        Some((all, top))
+        let mut add = |k: usize, own: &[f64]| all[k].iter_mut().zip(own).for_each(|(t, u)| *t += u / part.modulus);
+        add(0, &displacement.base);
+        add(1, &displacement.extra);
+        if let Some(own) = part.enriched.dual_of_constant(of_base, constant) {
+            own.iter().enumerate().for_each(|(k, own)| add(k, own));
+        }
+        let ([base, extra, top], mut load) = (all, self.zero());
+        part.add_base(&mut load.base, base);
+        part.add_extra(&mut load.extra, &extra);
+        Some((load, top))
+    }
+
+    /// The traction of the nodal displacement of a part that a dual solution z has, less `v`: that z of a functional with the values j of the
+    /// base tractions and w of the constant at infinity.
+    pub(crate) fn dual_traction(
+        &self,
+        piece: usize,
+        of_base: &TractionMap,
+        (z, v): (&[f64], Option<&[f64]>),
+        (j, w): (&[f64], [f64; 2]),
+    ) -> Vec<f64> {
+        let Part { enriched, modulus, place, .. } = &self.parts[piece];
+        let mut own = place.base(z);
+        own.iter_mut().zip(v.unwrap_or_default()).for_each(|(z, v)| *z -= v);
+        // of displacements the constant has no modulus
+        let mut zeta = enriched.dual_traction(of_base, &own, (j, w.map(|w| w / modulus)));
+        zeta.iter_mut().for_each(|t| *t *= modulus);
+        zeta
     }
 
     /// The residual of a dual solution z on the bubbles, given the load there, and ρ_ψ·x_ψ of each element, ρ_ψ the traction residual of u and

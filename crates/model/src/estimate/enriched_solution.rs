@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 use steklov_bem_operators::{BoundaryField, Enriched, Inside, Raised};
 use steklov_contact::{ContactBubble, Tip};
-use steklov_coupling::{MediumField, Radiation};
+use steklov_coupling::MediumField;
 use steklov_elastic::RigidMotion;
 use steklov_elastic::plane::{dot, minus};
 use steklov_problem::{Condition, NamedQuantity, Scene};
@@ -27,7 +27,8 @@ use crate::estimate::contact_ends::ContactEnd;
 use crate::estimate::dual::Duals;
 use crate::estimate::elastic::Elastic;
 use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame};
-use crate::estimate::functionals::{LinearFunctional, has_duals};
+use crate::estimate::functionals::{LinearFunctional, OfEnergy, has_duals};
+use crate::estimate::nonconformity::Nonconformity;
 use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
 use crate::estimate::strain_of_bodies::{has_strain_of_bodies, strain_of_bodies, work_on_jump};
 use crate::quantities::{self, At, EstimatedQuantity, has_largest_stress};
@@ -37,8 +38,8 @@ use crate::solve::contact_rows::contact_rows;
 use crate::solve::fields::{ElasticField, Field};
 use crate::solve::solution::Solved;
 
-/// The quantities of a scene in their order, J(u), J(u₊) and dual weighted residuals, and the ends of contact at `tips`; empty where u₊ has
-/// none.
+/// The quantities of a scene in their order, J(u), J(u₊) and dual weighted residuals, and the ends of contact at `tips`; empty where none are
+/// asked for.
 ///
 /// # Errors
 /// Data that are not finite.
@@ -51,49 +52,20 @@ pub(crate) fn both(
     right: &Enriched,
 ) -> Result<(Vec<EstimatedQuantity>, Vec<ContactEnd>), SolveError> {
     let (scene, &Duals { body, system, .. }) = (data.scene, duals);
-    if !is_known(scene, solved) {
+    if !is_asked(scene, solved) {
         return Ok((Vec::new(), Vec::new()));
     }
-    let missed = Enriched { base: vec![0.0; right.base.len()], extra: missed(data, solved, system.frames, bubbles)? };
-    let mut residual = right.clone();
-    let medium = system.elastic.medium(body);
-    let of_jump = medium.map(|medium| Ok::<_, SolveError>((medium, data.missed_of_jump()?))).transpose()?;
-    if let Some((medium, bubbles)) = &of_jump {
-        residual.add(1.0, &system.elastic.forces_of_medium(*medium, bubbles));
-    }
-    if missed.extra.iter().any(|bubble| *bubble != 0.0) {
-        residual.add(-1.0, &system.multiply(&missed));
-    }
-    let (_, mut correction, rest) = system.correction(&residual, ENOUGH_FOR_QUANTITIES);
-    correction.add(1.0, &missed);
-    // S₊u₊ - S u on the nodes
-    let mut change = system.multiply(&correction).base;
-    change.iter_mut().zip(&right.base).for_each(|(force, r)| *force -= r);
-    let mut both: Vec<[f64; 2]> = Vec::new();
-    let field = field(body, (solved, factors), system.elastic, &correction);
-    let around =
-        of_jump.as_ref().and_then(|(_, jump)| medium_field(body, factors, system.elastic, (&correction, jump)));
+    let solution = EnrichedSolution::new(data, (solved, factors), duals, bubbles, right)?;
+    let EnrichedSolution { correction, change, of_jump, field, around, rest } = &solution;
     let plus = field.as_ref().map(|field| ElasticField { field, ..solved.elastic_field() });
-    let pair = |value: Vec<f64>, plus: Vec<f64>| value.into_iter().zip(plus).map(|(value, plus)| [value, plus]);
-    if let Some(plus) = &plus {
-        let medium = solved.around.as_ref();
-        let before = medium.map(|medium| |x: [f64; 2]| medium.at(x));
-        let after = medium.zip(around.as_ref()).map(|(medium, field)| {
-            |x: [f64; 2]| {
-                let Inside { displacement, stress, .. } = field.at(x);
-                medium.with_remote(x, displacement, stress)
-            }
-        });
-        let value = quantities::at_points(scene, &solved.elastic_field(), before.as_ref().map(|at| at as &At<'_>));
-        both.extend(pair(value, quantities::at_points(scene, plus, after.as_ref().map(|at| at as &At<'_>))));
-    }
-    let fields = plus.as_ref().map(|plus| [solved.elastic_field(), *plus]);
     let corrections = [&correction.base[..], &correction.extra].concat();
-    let changes = Changes { forces: &change, springs: system.springs, corrections: &corrections };
+    let changes = Changes { forces: change, springs: system.springs, corrections: &corrections };
+    let mut both = at_points(scene, solved, plus.as_ref(), around.as_ref());
+    let fields = plus.as_ref().map(|plus| [solved.elastic_field(), *plus]);
     both.extend(forces(data, solved, &changes, fields.as_ref()));
-    if let Some(plus) = &plus {
-        let works = data.works_with(&solved.works, &changes, &[solved.elastic_field(), *plus]);
-        both.extend(pair(data.named(&solved.elastic_field(), &solved.works), data.named(plus, &works)));
+    if let Some(fields) = &fields {
+        let works = data.works_with(&solved.works, &changes, fields);
+        both.extend(pairs(data.named(&fields[0], &solved.works), data.named(&fields[1], &works)));
     }
     let most_pressed = |peak| data.most_pressed(plus.as_ref()?, |side| quantities::is_of_peak(scene, peak, side));
     let peaks: Vec<Option<(usize, f64)>> = quantities::peaks(scene).into_iter().map(most_pressed).collect();
@@ -101,7 +73,6 @@ pub(crate) fn both(
         let at = |field: &ElasticField<'_>| peak.map_or(f64::NAN, |place| data.pressure_on(field, place));
         both.push([at(&solved.elastic_field()), plus.as_ref().map_or(f64::NAN, at)]);
     }
-    let largest = plus.as_ref().and_then(|plus| largest_stress(scene, solved, plus));
     let mut ends = Vec::new();
     if let (Some(part), Some(plus)) = (&factors.contact, &plus) {
         ends = data.contact_ends(tips, part, [&solved.elastic_field(), plus]);
@@ -111,18 +82,22 @@ pub(crate) fn both(
     let mut functionals =
         if with_duals { data.functionals(solved, (field.as_ref(), around.as_ref()), &peaks) } else { Vec::new() };
     functionals.resize(both.len(), None);
-    let of_energies = energies((data, solved, factors), duals, bubbles, (&correction, &changes), of_jump.as_ref())?;
+    let of_energies = energies((data, solved, factors), duals, bubbles, (correction, &changes), of_jump.as_ref())?;
     for (values, slope) in of_energies {
         both.push(values);
         functionals.push(slope.filter(|_| with_duals));
     }
     if has_largest_stress(scene) {
+        let largest = plus.as_ref().and_then(|plus| largest_stress(scene, solved, plus));
         both.push(largest.map_or([f64::NAN; 2], |(own, _)| own));
         let known = largest.filter(|_| with_duals).zip(field.as_ref());
         functionals.push(known.and_then(|((_, x), field)| data.of_von_mises(solved, (field, around.as_ref()), x)));
     }
+    let nonconformity =
+        plus.map(|plus| data.nonconformity(&body.joints, plus, bubbles)).filter(Nonconformity::is_there);
+    let left = field.as_ref().zip(nonconformity.as_ref());
     let all = both.iter().zip(functionals).map(|(&[value, enriched], functional)| {
-        let weighted = functional.and_then(|functional| duals.weighted(&functional, &rest.base, &ends));
+        let weighted = functional.and_then(|functional| duals.weighted(&functional, (rest, left), &ends));
         let of_rest = weighted.as_ref().map_or(0.0, |weighted| weighted.of_rest);
         EstimatedQuantity {
             value,
@@ -131,6 +106,76 @@ pub(crate) fn both(
         }
     });
     Ok((all.collect(), ends))
+}
+
+/// u₊ of a solved mesh.
+struct EnrichedSolution {
+    /// u₊ - u, on nodes and bubbles.
+    correction: Enriched,
+    /// S₊u₊ - S u on the nodes.
+    change: Vec<f64>,
+    /// What u₊ leaves of the load on the nodes.
+    rest: Vec<f64>,
+    /// The number of a medium and the bubbles of the jump between it and a body.
+    of_jump: Option<(usize, Vec<f64>)>,
+    /// The field in the bodies, and in the medium around one; None without tractions.
+    field: Option<Field>,
+    around: Option<MediumField>,
+}
+
+impl EnrichedSolution {
+    fn new(
+        data: &OnMesh<'_>,
+        (solved, factors): (&Solved, &Factors),
+        &Duals { body, system, .. }: &Duals<'_>,
+        bubbles: &[ContactBubble],
+        right: &Enriched,
+    ) -> Result<Self, SolveError> {
+        let missed =
+            Enriched { base: vec![0.0; right.base.len()], extra: missed(data, solved, system.frames, bubbles)? };
+        let mut residual = right.clone();
+        let medium = system.elastic.medium(body);
+        let of_jump = medium.map(|medium| Ok::<_, SolveError>((medium, data.missed_of_jump()?))).transpose()?;
+        if let Some((medium, bubbles)) = &of_jump {
+            residual.add(1.0, &system.elastic.forces_of_medium(*medium, bubbles));
+        }
+        if missed.extra.iter().any(|bubble| *bubble != 0.0) {
+            residual.add(-1.0, &system.multiply(&missed));
+        }
+        let (_, mut correction, rest) = system.correction(&residual, ENOUGH_FOR_QUANTITIES);
+        correction.add(1.0, &missed);
+        let mut change = system.multiply(&correction).base;
+        change.iter_mut().zip(&right.base).for_each(|(force, r)| *force -= r);
+        let field = field(body, (solved, factors), system.elastic, &correction);
+        let around =
+            of_jump.as_ref().and_then(|(_, jump)| medium_field(body, factors, system.elastic, (&correction, jump)));
+        Ok(Self { correction, change, rest: rest.base, of_jump, field, around })
+    }
+}
+
+/// The values of u and of u₊, in pairs.
+fn pairs(value: Vec<f64>, plus: Vec<f64>) -> impl Iterator<Item = [f64; 2]> {
+    value.into_iter().zip(plus).map(|(value, plus)| [value, plus])
+}
+
+/// The numbers at points of u and of u₊, in a body and in a medium around it; none without the field of u₊.
+fn at_points(
+    scene: &Scene,
+    solved: &Solved,
+    plus: Option<&ElasticField<'_>>,
+    around: Option<&MediumField>,
+) -> Vec<[f64; 2]> {
+    let Some(plus) = plus else { return Vec::new() };
+    let medium = solved.around.as_ref();
+    let before = medium.map(|medium| |x: [f64; 2]| medium.at(x));
+    let after = medium.zip(around).map(|(medium, field)| {
+        |x: [f64; 2]| {
+            let Inside { displacement, stress, .. } = field.at(x);
+            medium.with_remote(x, displacement, stress)
+        }
+    });
+    let value = quantities::at_points(scene, &solved.elastic_field(), before.as_ref().map(|at| at as &At<'_>));
+    pairs(value, quantities::at_points(scene, plus, after.as_ref().map(|at| at as &At<'_>))).collect()
 }
 
 /// What the enriched spaces change.
@@ -208,7 +253,8 @@ fn energies(
         let (pull, of_correction) = (at(&solved.displacement), at(changes.corrections));
         let energy = solved.energies.springs;
         let enriched = energy + correction.dot(&pull) + 0.5 * correction.dot(&of_correction);
-        let slope = LinearFunctional { of_energy: Some((0, pull, Vec::new())), ..LinearFunctional::default() };
+        let of_energy = Some(OfEnergy { piece: 0, load: pull, top: Vec::new(), of: Vec::new() });
+        let slope = LinearFunctional { of_energy, ..LinearFunctional::default() };
         all.push(([energy, enriched], Some(slope)));
     }
     Ok(all)
@@ -223,14 +269,11 @@ fn largest_stress(scene: &Scene, solved: &Solved, plus: &ElasticField<'_>) -> Op
     Some(([largest.value, largest.of(scene, plus)], largest.point))
 }
 
-/// Whether quantities are asked for; of media those whose displacement decays have them.
-fn is_known(scene: &Scene, solved: &Solved) -> bool {
-    let decays = |body: usize| scene.problem.radiation(body).is_none_or(|radiation| radiation == Radiation::Decaying);
-    let bounded = (0..scene.problem.bodies.len()).all(decays);
+/// Whether quantities are asked for.
+fn is_asked(scene: &Scene, solved: &Solved) -> bool {
     let of_forces = quantities::forces(scene, &solved.reactions).next().is_some();
     let of_bodies = quantities::forces_between(scene).next().is_some() || has_strain_of_bodies(scene);
-    let asked = quantities::needs_tractions(scene) || of_forces || of_bodies || has_reaction_work(scene);
-    asked && bounded && solved.around.as_ref().is_none_or(|around| around.radiation == Radiation::Decaying)
+    quantities::needs_tractions(scene) || of_forces || of_bodies || has_reaction_work(scene)
 }
 
 /// β, two for each element: along the directions in which the data hold it.
@@ -282,13 +325,15 @@ fn field<'b>(
             own.iter_mut().zip(motion.nodal(&part.space.points)).for_each(|(u, r)| *u -= r);
         }
         let displacement = Enriched { base: own, extra: elastic.bubbles_of(k, &correction.extra) };
-        let mut traction = elastic.enriched(k).traction(&assembled.traction_map, &displacement)?;
+        let enriched = elastic.enriched(k);
+        let mut traction = enriched.traction(&assembled.traction_map, &displacement)?;
+        let constant = enriched.at_infinity(&assembled.traction_map, &displacement, &traction);
         traction.base.iter_mut().chain(&mut traction.extra).for_each(|t| *t *= assembled.modulus);
         let Raised { mesh, space, displacement, traction } =
             Raised::new(&part.mesh, &part.space, &displacement, &traction);
         let field =
             BoundaryField::new(&mesh, &space, &assembled.piece.material, &displacement, &traction, assembled.length);
-        Some((part, field.moved(RigidMotion::sum(carried, motion))))
+        Some((part, field.tending_to(constant).moved(RigidMotion::sum(carried, motion))))
     };
     let pieces: Option<Vec<_>> = body.pieces.iter().enumerate().map(of).collect();
     Some(Field::new(pieces?, body.cuts.clone(), body.mesh.len()))
@@ -308,10 +353,11 @@ fn medium_field(
         base: sum(factors.outside.as_ref()?, &correction.base, 1.0),
         extra: sum(&elastic.bubbles_of(medium, &correction.extra), jump, -1.0),
     };
-    let traction = elastic.enriched(medium).traction(&outside.traction_map, &displacement)?;
+    let enriched = elastic.enriched(medium);
+    let traction = enriched.traction(&outside.traction_map, &displacement)?;
+    let constant = enriched.at_infinity(&outside.traction_map, &displacement, &traction);
     let Raised { mesh, space, displacement, traction } = Raised::new(&body.mesh, &body.space, &displacement, &traction);
-    // at infinity it decays
-    let of = (&displacement[..], &traction[..], [0.0; 2]);
+    let of = (&displacement[..], &traction[..], constant);
     Some(MediumField::new(&mesh, &space, &outside.material, outside.length, of))
 }
 

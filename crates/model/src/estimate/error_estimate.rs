@@ -167,7 +167,7 @@ pub fn estimate(
     let of_cuts = indicators.split_off(mesh.len());
     let scale = scale(&solved.energies, body, factors);
     let nonconformity = data.nonconformity(&body.joints, solved.elastic_field(), &bubbles);
-    for &(e, energy) in data.tie_oscillation(&body.joints)?.iter().chain(&nonconformity.energies) {
+    for &(e, energy) in data.tie_oscillation(&body.joints)?.iter().chain(&nonconformity.energies(&data)) {
         indicators[e].oscillation += energy;
     }
     let overlaps = hidden_overlaps(&data, (solved, &body.joints), scale, &closed, &mut indicators);
@@ -195,8 +195,14 @@ pub fn estimate(
     let all: Vec<Bubble> = indicators.iter().chain(&of_cuts).copied().collect();
     let error = combined_error(&all, squared, unseen, held, factors.difference);
     let of_nodes = (gained, squared, HELD_REST * held_oscillation);
-    let [energy, uncertainty] =
-        extrapolated(&data, solved, (body, factors), of_nodes, nonconformity.work, (error, scale))?;
+    let [energy, uncertainty] = extrapolated(
+        &data,
+        solved,
+        (body, factors),
+        of_nodes,
+        nonconformity.work(solved.elastic_field()),
+        (error, scale),
+    )?;
     let unresolved = unresolved(&data, solved, factors, &bubbles)?;
     let mut doubts = doubts(scene, solved, (&unresolved, &overlaps), error);
     doubts.extend((error > ROUNDOFF * scale && are_weakly_tied(scene)).then_some(Doubt::Coarse));

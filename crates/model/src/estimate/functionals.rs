@@ -25,8 +25,23 @@ pub(crate) struct LinearFunctional {
     pub(crate) of_fields: Vec<(usize, Functional)>,
     /// w, two for each node; empty for none.
     pub(crate) of_forces: Vec<f64>,
-    /// Of the displacements and bubbles of all, and of the top tractions of a piece: the number of the piece, and both.
-    pub(crate) of_energy: Option<(usize, Enriched, Vec<f64>)>,
+    /// Of the displacements and bubbles of all, and of the top tractions of a piece.
+    pub(crate) of_energy: Option<OfEnergy>,
+    /// The elements whose traces it weighs.
+    pub(crate) traces: Vec<usize>,
+}
+
+/// The slope of an energy.
+#[derive(Debug, Clone)]
+pub(crate) struct OfEnergy {
+    /// The number of the piece.
+    pub(crate) piece: usize,
+    /// The load on nodes and bubbles of all.
+    pub(crate) load: Enriched,
+    /// The load on its top tractions.
+    pub(crate) top: Vec<f64>,
+    /// The nodal displacement of the piece whose forces the load is; empty if it is that of springs.
+    pub(crate) of: Vec<f64>,
 }
 
 /// A trace of weights that are zero.
@@ -44,6 +59,7 @@ impl LinearFunctional {
 
     /// Adds the trace at the reference coordinate t of element e, times these weights.
     fn add(&mut self, field: &Field, (e, t): (usize, f64), by: &Trace) {
+        self.traces.push(e);
         let (piece, local) = field.place(e);
         self.part(field, piece).add_trace(field.of_piece(piece), (local, t), by);
     }

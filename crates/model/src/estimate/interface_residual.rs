@@ -4,21 +4,14 @@
 //! obstacle would only prescribe a displacement. A bubble whose counterpart also deforms may claim no more than the share c/(c
 //! + c') of the residual, c = E/(1-ν²): where both sides have the same bubble, both shares together are its energy.
 
-use steklov_bem_operators::Site;
 use steklov_contact::ContactBubble;
-use steklov_coupling::{Cell, Facing, Met, meet};
-use steklov_elastic::plane::{dot, turned};
-use steklov_problem::Law;
-use steklov_quadrature::{gauss_legendre, legendre_p, project as legendre_project};
+use steklov_coupling::{Facing, meet};
+use steklov_quadrature::{gauss_legendre, legendre_p};
 
 use crate::data::joints::Joint;
 use crate::data::on_mesh::OnMesh;
+use crate::estimate::nonconformity::POINTS;
 use crate::solve::fields::ElasticField;
-
-/// Distances below this part of the displacements are zero.
-const ROUNDED: f64 = 1e-13;
-/// Gauss points on a cell.
-const POINTS: usize = 24;
 
 /// The load on the bubble of an element from beyond an interface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,15 +22,6 @@ pub(crate) struct FacingLoad {
     pub(crate) load: [f64; 2],
     /// The share of the residual along n and t that its bubble may claim; none for a component whose force is friction.
     pub(crate) share: [Option<f64>; 2],
-}
-
-/// The nonconformity of displacements that agree in the mean only.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Nonconformity {
-    /// ∫ λ·w (energy).
-    pub(crate) work: f64,
-    /// Carrying elements, and the energy of w on one of their cells.
-    pub(crate) energies: Vec<(usize, f64)>,
 }
 
 impl OnMesh<'_> {
@@ -86,86 +70,6 @@ impl OnMesh<'_> {
             }
         }
         loads
-    }
-
-    /// The nonconformity w = [u] - g n, or [u] - j, of displacements that agree in the mean only, where the interface is
-    /// closed, stuck or tied: ∫ λ·w, the first-order error of J, which is stationary together with -λ·w, λ the mean of the
-    /// tractions of both sides; and for each carrying element E*/2 ‖w‖ ‖dw/ds‖ of its cells, the energy of w as a displacement
-    /// of the boundary.
-    pub(crate) fn nonconformity(
-        &self,
-        joints: &[Joint],
-        field: ElasticField<'_>,
-        bubbles: &[ContactBubble],
-    ) -> Nonconformity {
-        let mut found = Nonconformity::default();
-        for joint in joints {
-            let interface = &self.scene.problem.interfaces()[joint.interface];
-            for cell in &joint.cells {
-                let bubble = bubbles.iter().find(|b| b.element == cell.element);
-                let closed = match (&interface.law, bubble) {
-                    (Law::Tied(_), _) => [true; 2],
-                    (Law::Contact(_), Some(bubble)) => bubble.free.map(|free| !free),
-                    (Law::Contact(_), None) => continue,
-                };
-                let [work, energy] = self.left_of_cell(&interface.law, cell, field, closed);
-                found.work += work;
-                found.energies.push((cell.element, energy));
-            }
-        }
-        found
-    }
-
-    /// Work and energy of the nonconformity on one cell.
-    fn left_of_cell(&self, law: &Law, cell: &Cell, field: ElasticField<'_>, closed: [bool; 2]) -> [f64; 2] {
-        let Cell { element: e, span, other: m } = *cell;
-        let half = (span[1] - span[0]) / 2.0;
-        let rule = gauss_legendre(POINTS);
-        let moduli = self.moduli();
-        let side = Facing { mesh: self.mesh, space: self.space, elements: &[], modulus: &moduli };
-        let (mut work, mut lefts, mut here_largest) = (0.0, vec![[0.0; 2]; POINTS], 0.0f64);
-        for (k, (&g, &w)) in rule.points.iter().zip(&rule.weights).enumerate() {
-            let t = span[0] + half * (1.0 + g);
-            let Some(Met { t: s, direction: n, .. }) = meet(side, (e, t), side, m) else { continue };
-            let (s, tangent) = (s.clamp(-1.0, 1.0), turned(n));
-            let [(here, _), (beyond, _)] = [field.on_boundary(e, t), field.on_boundary(m, s)];
-            let [pull, push] = [field.traction(e, t), field.traction(m, s)];
-            let apart = self.left_apart(law, &Site::new(self.mesh, e, t), n);
-            here_largest = here.into_iter().chain(beyond).fold(here_largest, |m, u| m.max(u.abs()));
-            for (i, d) in [n, tangent].into_iter().enumerate().filter(|(i, _)| closed[*i]) {
-                let along = |v: [f64; 2]| dot(v, d);
-                lefts[k][i] = along(here) - along(beyond) - along(apart);
-                let traction = (along(push) - along(pull)) / 2.0;
-                work += half * w * self.mesh.speed(e, t) * traction * lefts[k][i];
-            }
-        }
-        let modulus = self.scene.problem.contact_modulus(self.mesh.edge[e]);
-        let largest = here_largest.max(f64::MIN_POSITIVE);
-        let of = |i: usize| {
-            if lefts.iter().all(|left| left[i].abs() <= ROUNDED * largest) {
-                return 0.0;
-            }
-            let mut values = lefts.iter().map(|left| left[i]);
-            let series = legendre_project(|_| values.next().unwrap_or(0.0), POINTS - 1, &rule);
-            // lengths cancel in the norms of w and dw/ds
-            modulus / 2.0 * series.norm() * series.derivative().norm()
-        };
-        let energy = of(0) + of(1);
-        [work, energy]
-    }
-
-    /// The distance between two points that a law joins: the gap along n, the jump of a tie.
-    fn left_apart(&self, law: &Law, site: &Site, n: [f64; 2]) -> [f64; 2] {
-        match law {
-            Law::Contact(contact) => {
-                let gap = (self.gap(self.mesh.side[site.element], &contact.gap).value)(site);
-                n.map(|n| gap * n)
-            }
-            Law::Tied(tie) => tie
-                .displacement_jump
-                .as_ref()
-                .map_or([0.0; 2], |jump| jump.each_ref().map(|jump| self.value(jump, site))),
-        }
     }
 
     /// b = (P_(p+1) - P_(p-1))/(2p+1) of an element.

@@ -11,6 +11,7 @@ pub mod error_estimate;
 pub(crate) mod functionals;
 pub(crate) mod interface_residual;
 pub(crate) mod multiplier_difference;
+pub(crate) mod nonconformity;
 pub(crate) mod on_springs;
 pub(crate) mod penetration;
 pub(crate) mod reaction_work;

@@ -14,7 +14,7 @@ use crate::data::on_mesh::OnMesh;
 use crate::data::parts::Assembled;
 use crate::error::SolveError;
 use crate::estimate::dual::Duals;
-use crate::estimate::functionals::LinearFunctional;
+use crate::estimate::functionals::{LinearFunctional, OfEnergy};
 use crate::solve::solution::Solved;
 
 /// Whether the strain energies of bodies are quantities: of several ones by boundary elements, without springs.
@@ -46,8 +46,9 @@ pub(crate) fn strain_of_bodies(
             plus += dot(&forces.base, &nodal) + 0.5 * p.energies(&piece.part.mesh).0;
             slope_at.iter_mut().zip(&nodal).for_each(|(w, p)| *w += p);
         }
-        let (load, tops) = elastic.dual_load_of_forces(k, &slope_at, &stiff(&slope_at));
-        ([strain, plus], LinearFunctional { of_energy: Some((k, load, tops)), ..LinearFunctional::default() })
+        let (load, top) = elastic.dual_load_of_forces(k, &slope_at, &stiff(&slope_at));
+        let of_energy = Some(OfEnergy { piece: k, load, top, of: slope_at });
+        ([strain, plus], LinearFunctional { of_energy, ..LinearFunctional::default() })
     };
     solved.strain_of_bodies.iter().zip(&duals.body.pieces).enumerate().map(of_body).collect()
 }
@@ -73,7 +74,8 @@ pub(crate) fn work_on_jump(
     let plus = data.jump_work(around)? - dot(&forces.base, &outside.jump);
     let against: Vec<f64> = outside.jump.iter().map(|jump| -jump).collect();
     let stiff: Vec<f64> = outside.load.iter().map(|load| -load).collect();
-    let (load, tops) = elastic.dual_load_of_forces(medium, &against, &stiff);
-    let slope = LinearFunctional { of_energy: Some((medium, load, tops)), ..LinearFunctional::default() };
+    let (load, top) = elastic.dual_load_of_forces(medium, &against, &stiff);
+    let of_energy = Some(OfEnergy { piece: medium, load, top, of: against });
+    let slope = LinearFunctional { of_energy, ..LinearFunctional::default() };
     Ok(Some(([solved.reaction_work, plus], slope)))
 }

@@ -1,0 +1,170 @@
+//! The nonconformity of displacements of bodies that agree in the mean only, and what it changes.
+//!
+//! ```text
+//! w = [u] - g n, or [u] - j,        where an interface is closed, stuck or tied
+//! J of the energy                   ∫ λ·w,       λ the mean of the tractions of both sides of u: J is stationary together with -λ·w
+//! J of a number                     ∫ τ·w,       τ that of its dual solution z, from a(v, z) - ∫ τ·[v] = J(v) for all v, with a jump or not
+//! ```
+//! τ is taken from the side that carries multipliers: that of a coarser side may be ten times as large beside a point.
+//!
+//! *Fails when* the elements of that side are coarser than the distance of a point whose stress is asked for.
+//!
+//! Source: Wohlmuth (2000), the consistency error of mortar elements.
+
+use std::ops::Range;
+
+use steklov_bem_operators::Site;
+use steklov_contact::ContactBubble;
+use steklov_coupling::{Cell, Facing, Met, meet};
+use steklov_elastic::plane::{dot, turned};
+use steklov_problem::Law;
+use steklov_quadrature::{gauss_legendre, project};
+
+use crate::data::joints::Joint;
+use crate::data::on_mesh::OnMesh;
+use crate::solve::fields::ElasticField;
+
+/// Distances below this part of the displacements are zero.
+const ROUNDED: f64 = 1e-13;
+/// Gauss points on a cell.
+pub(crate) const POINTS: usize = 24;
+
+/// w at a point of a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Left {
+    /// The point on the carrying side, and the one that it faces: element and reference coordinate.
+    pub(crate) places: [(usize, f64); 2],
+    /// Length of the boundary.
+    pub(crate) ds: f64,
+    /// n and the direction along the interface.
+    directions: [[f64; 2]; 2],
+    /// w along both, 0 where it is free.
+    along: [f64; 2],
+}
+
+impl Left {
+    /// w.
+    pub(crate) fn vector(&self) -> [f64; 2] {
+        let ([n, t], [a, b]) = (self.directions, self.along);
+        [a * n[0] + b * t[0], a * n[1] + b * t[1]]
+    }
+}
+
+/// w on all cells.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Nonconformity {
+    /// w at the Gauss points of one cell after the other.
+    pub(crate) points: Vec<Left>,
+    /// The carrying element of each cell, and its points.
+    pub(crate) cells: Vec<(usize, Range<usize>)>,
+}
+
+impl Nonconformity {
+    /// ∫ λ·w (energy).
+    pub(crate) fn work(&self, field: ElasticField<'_>) -> f64 {
+        let of = |left: &Left| {
+            let [pull, push] = left.places.map(|(e, t)| field.traction(e, t));
+            let w = left.vector();
+            left.ds * (dot(push, w) - dot(pull, w)) / 2.0
+        };
+        self.points.iter().map(of).sum()
+    }
+
+    /// Carrying elements, and the energy E*/2 ‖w‖ ‖dw/ds‖ of w as a displacement of the boundary on one of their cells.
+    pub(crate) fn energies(&self, data: &OnMesh<'_>) -> Vec<(usize, f64)> {
+        let rule = gauss_legendre(POINTS);
+        let of_cell = |(e, points): &(usize, Range<usize>)| {
+            let modulus = data.scene.problem.contact_modulus(data.mesh.edge[*e]);
+            let of = |i: usize| {
+                let mut values = self.points[points.clone()].iter().map(|left| left.along[i]);
+                let series = project(|_| values.next().unwrap_or(0.0), POINTS - 1, &rule);
+                // lengths cancel in the norms of w and dw/ds
+                modulus / 2.0 * series.norm() * series.derivative().norm()
+            };
+            (*e, of(0) + of(1))
+        };
+        self.cells.iter().map(of_cell).collect()
+    }
+
+    /// Whether w is not zero.
+    pub(crate) fn is_there(&self) -> bool {
+        self.points.iter().any(|left| left.along != [0.0; 2])
+    }
+
+    /// Whether an element carries multipliers of a cell.
+    pub(crate) fn has(&self, e: usize) -> bool {
+        self.cells.iter().any(|(own, _)| *own == e)
+    }
+}
+
+impl OnMesh<'_> {
+    /// The nonconformity of a field; `bubbles` are those of the contact elements.
+    pub(crate) fn nonconformity(
+        &self,
+        joints: &[Joint],
+        field: ElasticField<'_>,
+        bubbles: &[ContactBubble],
+    ) -> Nonconformity {
+        let mut found = Nonconformity::default();
+        for joint in joints {
+            let interface = &self.scene.problem.interfaces()[joint.interface];
+            for cell in &joint.cells {
+                let bubble = bubbles.iter().find(|b| b.element == cell.element);
+                let closed = match (&interface.law, bubble) {
+                    (Law::Tied(_), _) => [true; 2],
+                    (Law::Contact(_), Some(bubble)) => bubble.free.map(|free| !free),
+                    (Law::Contact(_), None) => continue,
+                };
+                let first = found.points.len();
+                found.points.extend(self.left_of_cell(&interface.law, cell, field, closed));
+                found.cells.push((cell.element, first..found.points.len()));
+            }
+        }
+        found
+    }
+
+    /// w at the Gauss points of a cell.
+    fn left_of_cell(&self, law: &Law, cell: &Cell, field: ElasticField<'_>, closed: [bool; 2]) -> Vec<Left> {
+        let Cell { element: e, span, other: m } = *cell;
+        let half = (span[1] - span[0]) / 2.0;
+        let rule = gauss_legendre(POINTS);
+        let moduli = self.moduli();
+        let side = Facing { mesh: self.mesh, space: self.space, elements: &[], modulus: &moduli };
+        let mut largest = f64::MIN_POSITIVE;
+        let at = |(&g, &weight): (&f64, &f64)| {
+            let t = span[0] + half * (1.0 + g);
+            let ds = half * weight * self.mesh.speed(e, t);
+            let Some(Met { t: s, direction: n, .. }) = meet(side, (e, t), side, m) else {
+                return Left { places: [(e, t), (m, 0.0)], ds, directions: [[0.0; 2]; 2], along: [0.0; 2] };
+            };
+            let (s, directions) = (s.clamp(-1.0, 1.0), [n, turned(n)]);
+            let [(here, _), (beyond, _)] = [field.on_boundary(e, t), field.on_boundary(m, s)];
+            largest = here.into_iter().chain(beyond).fold(largest, |m, u| m.max(u.abs()));
+            let apart = self.left_apart(law, &Site::new(self.mesh, e, t), n);
+            let left = [0, 1].map(|i| here[i] - beyond[i] - apart[i]);
+            let along = [0, 1].map(|i| if closed[i] { dot(left, directions[i]) } else { 0.0 });
+            Left { places: [(e, t), (m, s)], ds, directions, along }
+        };
+        let mut points: Vec<Left> = rule.points.iter().zip(&rule.weights).map(at).collect();
+        for i in 0..2 {
+            if points.iter().all(|left| left.along[i].abs() <= ROUNDED * largest) {
+                points.iter_mut().for_each(|left| left.along[i] = 0.0);
+            }
+        }
+        points
+    }
+
+    /// The distance between two points that a law joins: the gap along n, the jump of a tie.
+    fn left_apart(&self, law: &Law, site: &Site, n: [f64; 2]) -> [f64; 2] {
+        match law {
+            Law::Contact(contact) => {
+                let gap = (self.gap(self.mesh.side[site.element], &contact.gap).value)(site);
+                n.map(|n| gap * n)
+            }
+            Law::Tied(tie) => tie
+                .displacement_jump
+                .as_ref()
+                .map_or([0.0; 2], |jump| jump.each_ref().map(|jump| self.value(jump, site))),
+        }
+    }
+}

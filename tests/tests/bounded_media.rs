@@ -1,0 +1,49 @@
+//! Error bars of numbers in media whose displacement is bounded at infinity.
+
+use steklov_model::quantities::Quantity;
+use steklov_tests::{parse, summary as solved};
+
+const HOLE: &str = "[body]\ncorners = [[-1, -0.8], [1, -0.8], [1, 0.8], [-1, 0.8]]\n\
+                    sides = [\"floor\", \"right\", \"roof\", \"left\"]\n\
+                    [probe]\npoints = [[1.7, 0.2], [-0.4, 2.3], [1, -0.3]]\n";
+
+/// A hole that is held, one that touches what it is pressed on, one that nothing holds, and a body with jumps in the medium; points in it, at
+/// the hole and in the body.
+#[test]
+fn numbers_of_bounded_media_are_inside_their_bars() {
+    let scenes = [
+        "[exterior]\nyoung = 30\npoisson = 0.3\nremote_stress = [0.5, -1, 0.3]\n[sides]\nroof.traction = [0.5, \"x\"]\n\
+         floor.displacement = [\"0.02*x\", -0.01]\n[quantities]\nmean = { mean_displacement = \"roof\" }\n\
+         m = { moment = \"floor\", about = [0, 0] }\n",
+        "[exterior]\nyoung = 30\npoisson = 0.2\nremote_stress = [-0.5, -1.5, 0]\n\
+         [sides]\nfloor.contact.gap = \"0.03*x^2 - 0.02\"\nroof.displacement = [0, 0]\n",
+        "[exterior]\nyoung = 8\npoisson = 0.1\nat_infinity = \"bounded\"\n[sides]\nfloor.traction = [0, \"-x\"]\n\
+         roof.traction = [0, \"x\"]\n[quantities]\nmean = { mean_displacement = \"roof\" }\n",
+        "[material]\nyoung = 4\npoisson = 0.4\n[exterior]\nyoung = 8\npoisson = 0.1\nat_infinity = \"bounded\"\n\
+         displacement_jump = [\"0.05*x^2\", \"0.05*sin(x + y)\"]\n",
+    ];
+    let (mut of_points, mut half, mut count) = (0, 0, 0);
+    for scene in scenes {
+        let at = |tolerance: &str| {
+            let text = format!("{HOLE}{scene}[method]\ntolerance = {tolerance}\n");
+            solved(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}\n{text}", e.render())))
+        };
+        let known = at("1e-6");
+        for tolerance in ["1e-1", "1e-2", "1e-3"] {
+            let own = at(tolerance);
+            for (path, Quantity { value, uncertainty, doubts, .. }) in &own.quantities {
+                let Some(exact) = known.quantities.get(path) else { continue };
+                let error = (value - exact.value).abs();
+                if error < 20.0 * exact.uncertainty {
+                    continue;
+                }
+                println!("{tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
+                assert!(error <= 5.0 * uncertainty, "{path} at {tolerance}: {error:e} and {uncertainty:e}\n{scene}");
+                of_points += usize::from(path.contains("displacement"));
+                (count, half) = (count + 1, half + usize::from(error <= 2.0 * uncertainty));
+            }
+        }
+    }
+    println!("{half} of {count}, {of_points} displacements");
+    assert!(of_points >= 50 && 100 * half >= 95 * count, "{half} of {count}, {of_points} displacements");
+}
