@@ -88,3 +88,25 @@ fn it_is_not_told_of_an_inclusion() {
     let beside = lining.probe[0].von_mises.expect("a finite stress");
     assert!((place[0].hypot(place[1]) - 1.25).abs() < 1e-6 && value > beside, "{value} at {place:?}, {beside}");
 }
+
+/// A hole of which a part lifts off what fills it, in a medium in which the stress rises from its sides to that far away: the largest one is
+/// at the hole. Under tractions of the uniform stress it is that everywhere.
+#[test]
+fn the_largest_stress_of_a_medium_is_near_its_holes() {
+    let text = |sides: &str| {
+        format!(
+            "body = {{ circle = {{ centre = [2, 1], radius = 3 }}, side = \"w\" }}\n\
+             exterior = {{ young = 100, poisson = 0.3, remote_stress = [0, -3, 0], at_infinity = \"bounded\" }}\n{sides}\
+             probe.points = [[4.2, 3.2], [2, 4.5], [5.5, 1], [2, 9]]\nmethod.tolerance = 1e-2\n"
+        )
+    };
+    let own = summary(&parse(&text("sides.w.contact.gap = \"-0.03\"\n"), &[]).unwrap());
+    let (value, _, [x, y]) = largest(&own);
+    let best = own.probe.iter().filter_map(|probe| probe.von_mises).fold(von_mises([0.0, -3.0], 0.3), f64::max);
+    println!("{value} at ({x}, {y}), {best} at points and far away");
+    assert!(best < value && ((x - 2.0).hypot(y - 1.0) - 3.0).abs() < 1.0, "{value} at ({x}, {y}), {best} elsewhere");
+    // tractions of the uniform stress
+    let uniform = "sides.w.traction = [0, \"-3*(-(y - 1)/3)\"]\n";
+    let (value, ..) = largest(&summary(&parse(&text(uniform), &[]).unwrap()));
+    assert!((value / von_mises([0.0, -3.0], 0.3) - 1.0).abs() < 1e-12, "{value}");
+}

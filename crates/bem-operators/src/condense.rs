@@ -196,15 +196,35 @@ impl Condensation {
     pub fn multiply(&self, displacement: &[f64]) -> Vec<f64> {
         let u = self.to_positions(displacement);
         let mut result: Vec<f64> = u.iter().zip(&self.parts.diagonal).map(|(u, d)| u * d).collect();
-        for j in 1..u.len() {
-            let mut sum = 0.0;
-            for (i, &s) in self.parts.matrix.col(j).subrows(0, j).iter().enumerate() {
-                sum += s * u[i];
-                result[i] += s * u[j];
+        for first in (0..u.len()).step_by(BESIDE) {
+            let columns = first..(first + BESIDE).min(u.len());
+            let done = if columns.len() == BESIDE { self.add_columns(first, &u, &mut result) } else { [0.0; BESIDE] };
+            let from = if columns.len() == BESIDE { first } else { 0 };
+            for (j, mut sum) in columns.zip(done) {
+                for (i, &s) in (from..j).zip(&self.parts.matrix.col_as_slice(j)[from..j]) {
+                    sum += s * u[i];
+                    result[i] += s * u[j];
+                }
+                result[j] += sum;
             }
-            result[j] += sum;
         }
         self.to_nodes(&result)
+    }
+
+    /// Adds the part of the columns from `first` on above that row to S u, and returns what their transposes add to it at the columns. Each
+    /// entry is summed in the order of single columns.
+    fn add_columns(&self, first: usize, u: &[f64], result: &mut [f64]) -> [f64; BESIDE] {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| &self.parts.matrix.col_as_slice(first + k)[..first]);
+        let (above, own) = (&u[..first], &u[first..first + BESIDE]);
+        let mut sums = [0.0; BESIDE];
+        for (i, result) in result[..first].iter_mut().enumerate() {
+            sums[0] += a[i] * above[i];
+            sums[1] += b[i] * above[i];
+            sums[2] += c[i] * above[i];
+            sums[3] += d[i] * above[i];
+            *result = *result + a[i] * own[0] + b[i] * own[1] + c[i] * own[2] + d[i] * own[3];
+        }
+        sums
     }
 
     fn factor(&self) -> faer::MatRef<'_, f64> {
@@ -243,6 +263,9 @@ impl Condensation {
         nodal
     }
 }
+
+/// Columns of S that are multiplied side by side: their sums do not wait for each other.
+const BESIDE: usize = 4;
 
 /// Rounding of C Lᵀ over the number of its terms and the root of the diagonal.
 const SAME: f64 = 1e-11;

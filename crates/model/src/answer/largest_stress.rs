@@ -25,7 +25,13 @@ const STARTS: usize = 3;
 /// Steps along an element, and times that steps inside are shortened: a place is known to this part of its neighbourhood, the stress to its
 /// square.
 const STEPS: usize = 24;
-const SHORTENED: usize = 4;
+const SHORTENED: i32 = 4;
+/// Steps uphill after which they become twice as long.
+const MANY: usize = 8;
+/// Stresses that differ by less are the same.
+const SAME: f64 = 1e-9;
+/// Distance from the middle of the boundary, over its diameter, up to which a medium is searched.
+const FAR: f64 = 3.0;
 
 /// The largest von Mises stress.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +66,7 @@ pub(crate) fn is_bounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> boo
     facets(&scene.problem.outline).is_empty() && singular_points(scene, mesh, rows).is_empty()
 }
 
-/// The largest von Mises stress of a field of the bodies.
+/// The largest von Mises stress of a field of the bodies; None where that far away in a medium is larger.
 pub(crate) fn largest_von_mises(scene: &Scene, field: &ElasticField<'_>) -> Option<LargestStress> {
     let problem = &scene.problem;
     let (mesh, outline) = (field.mesh, &problem.outline);
@@ -85,9 +91,12 @@ pub(crate) fn largest_von_mises(scene: &Scene, field: &ElasticField<'_>) -> Opti
         LargestStress { value, point: mesh.point(e, t), place: Place::Boundary(e, t) }
     });
 
+    let (layers, reach) = (layers(mesh), FAR * outline.diameter());
     let inside = |body: usize, x: [f64; 2]| {
+        let is_far = || !outline.is_body_bounded(body) && distance(x, outline.centroid()) > reach;
         let is_inside = || outline.body_at(x) == Some(body) && matches!(outline.contains(x), Location::Inside);
-        if !is_beside_elements(mesh, x) && is_inside() { of(body, field.inside(body, x).1) } else { f64::NEG_INFINITY }
+        let is_beside = layers.iter().any(|(near, points)| points.iter().any(|y| distance(*y, x) < *near));
+        if is_beside || is_far() || !is_inside() { f64::NEG_INFINITY } else { of(body, field.inside(body, x).1) }
     };
     // the largest below the middle of an element, unless the stress falls from there on
     let below = |e: usize| {
@@ -111,16 +120,19 @@ pub(crate) fn largest_von_mises(scene: &Scene, field: &ElasticField<'_>) -> Opti
         LargestStress { value, point, place: Place::Inside(body) }
     };
     let all = starts.into_iter().map(follow).chain(on_surface);
-    all.max_by(|a, b| a.value.total_cmp(&b.value))
+    let far =
+        problem.bodies.iter().filter_map(|body| Some(body.material().von_mises(body.far.as_ref()?.remote_stress)));
+    let least = far.fold(0.0, f64::max);
+    all.max_by(|a, b| a.value.total_cmp(&b.value)).filter(|own| own.value >= least * (1.0 - SAME))
 }
 
-/// Whether a point is so near to an element that its stress is none: that of a discrete field is infinite at the ends of elements.
-fn is_beside_elements(mesh: &Mesh, x: [f64; 2]) -> bool {
-    let beside = |e: usize| {
+/// Points of each element, and how near to them a point has no stress: that of a discrete field is infinite at the ends of elements.
+fn layers(mesh: &Mesh) -> Vec<(f64, [[f64; 2]; 5])> {
+    let of = |e: usize| {
         let near = NEAREST * mesh.length(e) / mesh.degree[e] as f64;
-        [-1.0, -0.5, 0.0, 0.5, 1.0].into_iter().any(|t| distance(mesh.point(e, t), x) < near)
+        (near, [-1.0, -0.5, 0.0, 0.5, 1.0].map(|t| mesh.point(e, t)))
     };
-    (0..mesh.len()).any(beside)
+    (0..mesh.len()).map(of).collect()
 }
 
 /// The largest value between three rising places whose middle one is the largest, and its place: by golden sections.
@@ -147,17 +159,19 @@ fn uphill([mut a, mut middle, mut b]: [f64; 3], of: impl Fn(f64) -> f64) -> (f64
     (best, middle)
 }
 
-/// Uphill from a point by steps along x and y. Where none leads higher the top of a parabola through the points about it does, and the
-/// steps become shorter.
+/// Uphill from a point by steps along x and y, which become longer on a long way. Where none leads higher the top of a parabola through the
+/// points about it does, and the steps become shorter.
 fn climb((mut value, mut point): (f64, [f64; 2]), mut step: f64, of: impl Fn([f64; 2]) -> f64) -> (f64, [f64; 2]) {
-    let mut shortened = 0;
-    while shortened < SHORTENED {
+    let (shortest, mut steps) = (step / 4f64.powi(SHORTENED), 0);
+    while step > shortest {
         let beside = |by: [f64; 2]| of([point[0] + by[0], point[1] + by[1]]);
         let [east, west, north, south] = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]].map(beside);
         let higher = [(east, [step, 0.0]), (west, [-step, 0.0]), (north, [0.0, step]), (south, [0.0, -step])];
         let (best, by) = higher.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
         if best > value {
             (value, point) = (best, [point[0] + by[0], point[1] + by[1]]);
+            steps += 1;
+            step *= if steps % MANY == 0 { 2.0 } else { 1.0 };
             continue;
         }
         let corner = beside([step, step]);
@@ -174,7 +188,6 @@ fn climb((mut value, mut point): (f64, [f64; 2]), mut step: f64, of: impl Fn([f6
             }
         }
         step /= 4.0;
-        shortened += 1;
     }
     (value, point)
 }

@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! dual problem        S z = j_u + HᵀV⁻¹j_ψ  in the base space at the contact sets of u,    ζ = V⁻¹(Hz - j_ψ)
-//! two-level residual  η_e = ρ_u·[W_ee]⁻¹(j_u - Wz - Hᵀζ)_e + ρ_ψ·[V_ee]⁻¹(j_ψ - Hz + Vζ)_e,      ρ_ψ = (Hu - Vψ)_e
+//! two-level residual  η_e = ρ_u·[W_ee]⁻¹ρ_z + ρ_ψ·[V_ee]⁻¹(j_ψ - Hz + Vζ)_e + β·ρ_z,       ρ_ψ = (Hu - Vψ)_e,  ρ_z = (j_u - Wz - Hᵀζ)_e
 //! ```
-//! Σ η_e is near J(u₊) - J(u), and may cross zero by accident; Σ |η_e| does not. A vertex that is off its end of contact by δ, where the
+//! β is what data hold a bubble at. Σ η_e is near J(u₊) - J(u), and may cross zero by accident; Σ |η_e| does not. A vertex that is off its end of contact by δ, where the
 //! opening is B d^(3/2) and that of z is A d^(1/2) beside it, changes J by (3π/32) E' A B δ², from dJ/dδ = -K_u K_z/E' of the half body.
 //!
 //! *Fails when* the bounds of friction depend on the pressure, as under Coulomb's law: the dual problem is another one. *Cost*: for each
@@ -92,7 +92,7 @@ impl Duals<'_> {
     pub(crate) fn weighted(
         &self,
         functional: &LinearFunctional,
-        (rest, nonconformity): (&[f64], Option<(&Field, &Nonconformity)>),
+        (rest, missed, nonconformity): (&[f64], &[f64], Option<(&Field, &Nonconformity)>),
         ends: &[ContactEnd],
     ) -> Option<Weighted> {
         let dual = self.dual(functional)?;
@@ -101,7 +101,7 @@ impl Duals<'_> {
         let of_rest = sign * dual.free.iter().zip(rest).map(|(z, r)| z * r).sum::<f64>();
         let work =
             nonconformity.map_or(0.0, |(field, left)| self.work_on_nonconformity(functional, &dual, (field, left)));
-        let sum = self.residuals(&dual).iter().map(|eta| eta.abs()).sum::<f64>() + work.abs();
+        let sum = self.residuals(&dual, missed).iter().map(|eta| eta.abs()).sum::<f64>() + work.abs();
         let of_ends = ends.iter().map(|end| self.of_end(end, &dual.z)).sum();
         Some(Weighted { sum, of_rest: of_rest + sign * work, of_ends })
     }
@@ -204,8 +204,8 @@ impl Duals<'_> {
         3.0 * PI / 32.0 * modulus * (amplitude * curvature).abs() * shift * shift
     }
 
-    /// η_e of all elements.
-    fn residuals(&self, dual: &Dual) -> Vec<f64> {
+    /// η_e of all elements; `missed` are the bubbles β that data hold.
+    fn residuals(&self, dual: &Dual, missed: &[f64]) -> Vec<f64> {
         let elements = self.blocks.len();
         let (mut residual, of_tractions) = self.system.elastic.dual_residual(&dual.z, &dual.bubbles, &dual.tops);
         let springs = self.system.springs;
@@ -216,7 +216,7 @@ impl Duals<'_> {
         let of_element = |e: usize| {
             let at = |of: &[f64]| [of[2 * e], of[2 * e + 1]];
             let x = self.system.frames[e].solve(self.blocks[e], at(&residual));
-            dot(at(self.residual), x) + of_tractions[e]
+            dot(at(self.residual), x) + of_tractions[e] + dot(at(missed), at(&residual))
         };
         (0..elements).map(of_element).collect()
     }

@@ -56,7 +56,7 @@ pub(crate) fn both(
         return Ok((Vec::new(), Vec::new()));
     }
     let solution = EnrichedSolution::new(data, (solved, factors), duals, bubbles, right)?;
-    let EnrichedSolution { correction, change, of_jump, field, around, rest } = &solution;
+    let EnrichedSolution { correction, change, missed, of_jump, field, around, rest } = &solution;
     let plus = field.as_ref().map(|field| ElasticField { field, ..solved.elastic_field() });
     let corrections = [&correction.base[..], &correction.extra].concat();
     let changes = Changes { forces: change, springs: system.springs, corrections: &corrections };
@@ -97,7 +97,7 @@ pub(crate) fn both(
         plus.map(|plus| data.nonconformity(&body.joints, plus, bubbles)).filter(Nonconformity::is_there);
     let left = field.as_ref().zip(nonconformity.as_ref());
     let all = both.iter().zip(functionals).map(|(&[value, enriched], functional)| {
-        let weighted = functional.and_then(|functional| duals.weighted(&functional, (rest, left), &ends));
+        let weighted = functional.and_then(|functional| duals.weighted(&functional, (rest, missed, left), &ends));
         let of_rest = weighted.as_ref().map_or(0.0, |weighted| weighted.of_rest);
         EstimatedQuantity {
             value,
@@ -116,6 +116,8 @@ struct EnrichedSolution {
     change: Vec<f64>,
     /// What u₊ leaves of the load on the nodes.
     rest: Vec<f64>,
+    /// β on the bubbles.
+    missed: Vec<f64>,
     /// The number of a medium and the bubbles of the jump between it and a body.
     of_jump: Option<(usize, Vec<f64>)>,
     /// The field in the bodies, and in the medium around one; None without tractions.
@@ -149,7 +151,7 @@ impl EnrichedSolution {
         let field = field(body, (solved, factors), system.elastic, &correction);
         let around =
             of_jump.as_ref().and_then(|(_, jump)| medium_field(body, factors, system.elastic, (&correction, jump)));
-        Ok(Self { correction, change, rest: rest.base, of_jump, field, around })
+        Ok(Self { correction, change, rest: rest.base, missed: missed.extra, of_jump, field, around })
     }
 }
 

@@ -92,9 +92,11 @@ pub(crate) fn solve_nodes(
         let nodes: usize = all.iter().map(|c| c.answers.len()).sum();
         let measured = Size::of(&all);
         let scale = if settings.of_deviation { deviation(outcomes, &all) } else { 1.0 };
+        // of displacements without a deviation rounding is all that is left
+        let enough = (settings.tolerance * scale).max(ROUNDED);
         let settled = !settings.refine || nodes >= settings.max_nodes || round == ROUNDS;
         let mut sample: Option<Check> = None;
-        if settled || measured.relative() <= settings.tolerance * scale {
+        if settled || measured.relative() <= enough {
             let drawn = check(outcomes, &mesh, &all, settings, samples, watch)?;
             (checks, samples) = (checks + drawn.outcomes, samples + 1);
             sample = Some(drawn);
@@ -102,7 +104,7 @@ pub(crate) fn solve_nodes(
         let told = sample.as_ref().map_or(f64::INFINITY, |s| measured.with(s).relative());
         let end = match () {
             () if !settings.refine => Some(End::Solved),
-            () if told <= (settings.tolerance * scale).max(ROUNDED) => Some(End::Tolerance),
+            () if told <= enough => Some(End::Tolerance),
             () if nodes >= settings.max_nodes => Some(End::MaxNodes),
             () if round == ROUNDS => Some(End::Rounds),
             () => None,
