@@ -220,7 +220,7 @@ impl EnrichedSteklov {
         let mut top = &self.top * &b + &self.corner * &x;
         solve_upper_triangular_in_place(self.factor.transpose(), top.as_mat_mut(), Par::Seq);
         let correction = of_bubble * &x - mixed * &top;
-        let sign = if of_base.domain().is_exterior() { -1.0 } else { 1.0 };
+        let sign = of_base.domain().sign();
         let base = of_base.with_correction(&u.base, &values(&correction));
         Some(Enriched { base, extra: top.iter().map(|t| sign * t).collect() })
     }
@@ -230,7 +230,7 @@ impl EnrichedSteklov {
     pub fn at_infinity(&self, of_base: &TractionMap, u: &Enriched, traction: &Enriched) -> [f64; 2] {
         let own = of_base.at_infinity(&u.base);
         let Some(([of_bubble, of_top], _)) = &self.of_constant else { return own };
-        let sign = if of_base.domain().is_exterior() { -1.0 } else { 1.0 };
+        let sign = of_base.domain().sign();
         let (bubbles, tops) = (of_bubble * column(&u.extra), of_top * column(&traction.extra));
         [0, 1].map(|i| own[i] + bubbles[i] - sign * tops[i])
     }
@@ -244,11 +244,12 @@ impl EnrichedSteklov {
         Some([along(constant, 1.0), along(of_bubble, 1.0), along(of_top, -1.0)])
     }
 
-    /// ζ = V⁻¹(Hz - j): the traction of the dual solution z of a functional whose values of the base tractions are j and whose weights of
-    /// the constant at infinity are w.
+    /// ζ = V⁻¹(Hz - j): the traction (stress) of the dual solution z of a functional whose values of the base tractions are j and whose weights
+    /// of the constant at infinity are w, which are the resultant -∮ζ out of the body; by Legendre coefficients.
     pub fn dual_traction(&self, of_base: &TractionMap, z: &[f64], (j, w): (&[f64], [f64; 2])) -> Vec<f64> {
         let mut zeta = of_base.apply_dual(z, j);
         if let Some((_, densities)) = &self.of_constant {
+            let w = w.map(|w| of_base.domain().sign() * w);
             zeta.iter_mut().enumerate().for_each(|(k, t)| *t -= w[0] * densities[(k, 0)] + w[1] * densities[(k, 1)]);
         }
         zeta
@@ -259,7 +260,7 @@ impl EnrichedSteklov {
     pub fn dual_of_traction(&self, of_base: &TractionMap, j: &Enriched) -> Option<[Vec<f64>; 3]> {
         let [mixed, of_bubble] = self.of_tractions.as_ref()?;
         let (factor, solved, _) = of_base.factors();
-        let sign = if of_base.domain().is_exterior() { -1.0 } else { 1.0 };
+        let sign = of_base.domain().sign();
         let mut y = column(&j.base);
         y *= sign;
         solve_lower_triangular_in_place(factor, y.as_mat_mut(), Par::Seq);

@@ -32,6 +32,11 @@ impl Domain {
         matches!(self, Self::Exterior | Self::ExteriorBoundedAtInfinity)
     }
 
+    /// The sign of the traction V⁻¹Hu: -1 where n points into the body.
+    pub(crate) fn sign(self) -> f64 {
+        if self.is_exterior() { -1.0 } else { 1.0 }
+    }
+
     /// Whether the displacement tends to an unknown constant at infinity.
     pub(crate) fn is_bounded_at_infinity(self) -> bool {
         matches!(self, Self::BoundedAtInfinity | Self::ExteriorBoundedAtInfinity)
@@ -343,8 +348,8 @@ impl TractionMap {
 
     /// ζ = V⁻¹(Hz - j): the traction of the dual solution z of a functional whose values of the tractions are j.
     pub(crate) fn apply_dual(&self, z: &[f64], j: &[f64]) -> Vec<f64> {
-        let sign = if self.parts.domain.is_exterior() { 1.0 } else { -1.0 };
-        let mut y = Mat::from_fn(j.len(), 1, |i, _| sign * j[i]);
+        let sign = self.parts.domain.sign();
+        let mut y = Mat::from_fn(j.len(), 1, |i, _| -sign * j[i]);
         solve_lower_triangular_in_place(self.parts.factor.as_ref(), y.as_mut(), Par::Seq);
         self.balance(y.as_mut(), &mut None);
         self.with_correction(z, y.col_as_slice(0))

@@ -115,3 +115,48 @@ fn the_dual_right_side_has_the_values_of_tractions_and_of_the_constant() {
         assert!((found - exact).abs() < 1e-11 && bounded == (exact != 0.0), "{domain:?}: {found} {exact}");
     }
 }
+
+/// V ζ = Hz - j of the traction of a dual solution; bounded at infinity with the resultant -w, and up to one constant for each component.
+#[test]
+fn tractions_of_dual_solutions_solve_their_equation() {
+    let outside = || Polygon::outside(vec![Loop::circle([0.0, 0.0], 1.0, 4, "c")]).unwrap();
+    for (polygon, domain, sign) in [
+        (polygon(), Domain::Interior, 1.0),
+        (polygon(), Domain::Exterior, -1.0),
+        (outside(), Domain::BoundedAtInfinity, 1.0),
+        (polygon(), Domain::ExteriorBoundedAtInfinity, -1.0),
+    ] {
+        let mesh = Mesh::uniform(&polygon, 16, 2);
+        let space = Space::new(&mesh);
+        let mut cache = PairCache::default();
+        let operators = Operators::to_enrich(&mesh, &space, &material(), None, &mut cache).unwrap();
+        let (v, k, mass, length) = (operators.v.clone(), operators.k.clone(), operators.mass.clone(), operators.length);
+        let map = Steklov::new(operators, domain).unwrap().traction;
+        let plus = EnrichedSteklov::new(&mesh, &space, &material(), length, &map, &mut cache, true).unwrap();
+        let n = space.dofs();
+        let [z, j] = [1.3, 0.7].map(|f| (0..n).map(|k| (f * k as f64).sin()).collect::<Vec<f64>>());
+        let w = [0.7, -1.1];
+        let zeta = plus.dual_traction(&map, &z, (&j, w));
+        // sign Hz = ½M z + sign K z, of tractions with the sign
+        let symmetric = |a: usize, b: usize| v[(a.max(b), a.min(b))];
+        let mut rest: Vec<f64> = (0..n)
+            .map(|a| {
+                let of_zeta: f64 = (0..n).map(|b| symmetric(a, b) * zeta[b]).sum();
+                of_zeta + j[a] - (0..n).map(|b| k[(a, b)] * z[b]).sum::<f64>()
+            })
+            .collect();
+        for (&value, (row, column)) in &mass {
+            rest[row] -= sign * 0.5 * value * z[column];
+        }
+        let bounded = matches!(domain, Domain::BoundedAtInfinity | Domain::ExteriorBoundedAtInfinity);
+        for i in 0..2 {
+            let at = |e: usize| 2 * space.offset[e] + i;
+            let constant = if bounded { rest[at(0)] / mesh.length(0) } else { 0.0 };
+            (0..mesh.len()).for_each(|e| rest[at(e)] -= constant * mesh.length(e));
+            let resultant: f64 = (0..mesh.len()).map(|e| mesh.length(e) * zeta[at(e)]).sum();
+            assert!(!bounded || (resultant + sign * w[i]).abs() < 1e-10, "{domain:?}: {resultant} for {}", w[i]);
+        }
+        let largest = rest.iter().fold(0.0f64, |m, r| m.max(r.abs()));
+        assert!(largest < 1e-10, "{domain:?}: {largest:e}");
+    }
+}
