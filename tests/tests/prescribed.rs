@@ -1,5 +1,6 @@
 //! Prescribed displacements: which are continuous, and which are small.
 
+use std::f64::consts::PI;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_model::summary::Summary;
@@ -35,6 +36,50 @@ fn j_is_that_of_the_displacements_between_the_nodes() {
             before = off.abs();
         }
     }
+}
+
+/// An elliptic hole of a medium, and the inside of an ellipse, held at u = (a x - c y, a y + c x)/r² about a point outside of the material:
+/// on a curved side no polynomial of the arc. The stresses are σ_rr = -σ_θθ = -2μa/r² and σ_rθ = -2μc/r², the moment about any
+/// point of a hole 4πμc.
+#[test]
+fn numbers_of_curved_sides_that_are_held_are_inside_their_bars() {
+    let (mu, a, c) = (10.0 / 2.6, 0.02, 0.01);
+    let held = "[\"(0.02*x - 0.01*y)/(x^2 + y^2)\", \"(0.02*y + 0.01*x)/(x^2 + y^2)\"]";
+    let outside = "body = { ellipse = { centre = [0.2, -0.1], radii = [0.6, 0.5], angle = 20 }, side = \"w\" }\n\
+                   exterior = { young = 10, poisson = 0.3, at_infinity = \"bounded\" }\n";
+    let inside = "body = { ellipse = { centre = [2, 1], radii = [1, 0.7], angle = 20 }, side = \"w\" }\n\
+                  material = { young = 10, poisson = 0.3 }\n";
+    let points =
+        [[[1.0, 0.3], [-0.9, 0.2], [3.0, 4.0], [-40.0, 30.0]], [[2.1, 0.8], [1.5, 1.2], [2.8, 1.1], [2.0, 0.5]]];
+    let mut worst: f64 = 0.0;
+    for (body, points, moment) in [(outside, points[0], 4.0 * PI * mu * c), (inside, points[1], 0.0)] {
+        for tolerance in ["1e-1", "1e-2", "1e-3", "1e-4"] {
+            let text = format!(
+                "{body}sides.w.displacement = {held}\nprobe.points = {points:?}\nmethod.tolerance = {tolerance}\n\
+                 quantities.m = {{ moment = \"w\", about = [0.3, 0.1] }}\n"
+            );
+            let quantities = summary(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))).quantities;
+            let mut check = |path: &str, exact: f64| {
+                let own = &quantities[path];
+                let error = (own.value - exact).abs();
+                println!("{tolerance} {path}: {} ± {:.1e}, off by {error:.1e}", own.value, own.uncertainty);
+                worst = worst.max(error / own.uncertainty);
+            };
+            check("moment.m", moment);
+            for (k, [x, y]) in points.into_iter().enumerate() {
+                let r2 = x * x + y * y;
+                let (cos2, sin2) = ((x * x - y * y) / r2, 2.0 * x * y / r2);
+                let (rr, shear) = (-2.0 * mu * a / r2, -2.0 * mu * c / r2);
+                let (xx, xy) = (rr * cos2 - shear * sin2, rr * sin2 + shear * cos2);
+                check(&format!("probe.{k}.displacement.x"), (a * x - c * y) / r2);
+                check(&format!("probe.{k}.displacement.y"), (a * y + c * x) / r2);
+                for (of, exact) in [("xx", xx), ("yy", -xx), ("xy", xy)] {
+                    check(&format!("probe.{k}.stress.{of}"), exact);
+                }
+            }
+        }
+    }
+    assert!(worst < 1.0, "an error is {worst} of its bar");
 }
 
 #[test]

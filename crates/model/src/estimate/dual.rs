@@ -27,7 +27,7 @@ use crate::estimate::enriched_problem::System;
 use crate::estimate::functionals::{LinearFunctional, OfEnergy};
 use crate::estimate::nonconformity::{Left, Nonconformity};
 use crate::solve::body::Body;
-use crate::solve::fields::Field;
+use crate::solve::fields::ElasticField;
 use crate::solve::rotations::{orthonormal, project_off_basis};
 use crate::solve::solution::Solved;
 
@@ -92,7 +92,7 @@ impl Duals<'_> {
     pub(crate) fn weighted(
         &self,
         functional: &LinearFunctional,
-        (rest, missed, nonconformity): (&[f64], &[f64], Option<(&Field, &Nonconformity)>),
+        (rest, missed, nonconformity): (&[f64], &[f64], Option<(ElasticField<'_>, &Nonconformity)>),
         ends: &[ContactEnd],
     ) -> Option<Weighted> {
         let dual = self.dual(functional)?;
@@ -106,23 +106,27 @@ impl Duals<'_> {
         Some(Weighted { sum, of_rest: of_rest + sign * work, of_ends })
     }
 
-    /// ∫ τ·w, τ the traction of the dual solution on the side that carries multipliers; 0 where the functional is one of displacements or
-    /// tractions there, with which that of z jumps.
+    /// ∫ τ·w, τ the traction of the dual solution on the side that carries multipliers or is held; 0 where the functional weighs tractions or
+    /// stresses there, or displacements of two sides, with which that of z jumps.
     fn work_on_nonconformity(
         &self,
         functional: &LinearFunctional,
         dual: &Dual,
-        (field, nonconformity): (&Field, &Nonconformity),
+        (plus, nonconformity): (ElasticField<'_>, &Nonconformity),
     ) -> f64 {
-        if functional.traces.iter().any(|&e| nonconformity.has(e)) {
-            return 0.0;
+        let mut of_weights = 0.0;
+        for &(e, t, by) in functional.traces.iter().filter(|(e, ..)| nonconformity.has(*e)) {
+            if !self.data.is_held(e) || by.traction != [0.0; 2] || by.stress != [0.0; 3] {
+                return 0.0;
+            }
+            of_weights += dot(by.displacement, self.data.off_support(plus.on_boundary(e, t).0, (e, t)));
         }
         let mesh = &self.body.mesh;
         let mut tractions: Vec<Option<Vec<f64>>> = vec![None; self.body.pieces.len()];
         let mut legendre = Vec::new();
         let on = |left: &Left| {
             let (e, t) = left.places[0];
-            let (piece, local) = field.place(e);
+            let (piece, local) = plus.field.place(e);
             let own = tractions[piece].get_or_insert_with(|| self.traction(functional, dual, piece));
             let space = &self.body.pieces[piece].piece.part.space;
             legendre.resize(space.degree(local), 0.0);
@@ -133,7 +137,7 @@ impl Duals<'_> {
             // coefficients are those of traction times length on curves
             left.ds * mesh.length(e) / 2.0 / mesh.speed(e, t) * sum
         };
-        nonconformity.points.iter().map(on).sum()
+        nonconformity.points.iter().map(on).sum::<f64>() - of_weights
     }
 
     /// The traction of the dual solution on a piece, without what the functional loads it with.

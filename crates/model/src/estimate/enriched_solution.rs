@@ -28,7 +28,6 @@ use crate::estimate::dual::Duals;
 use crate::estimate::elastic::Elastic;
 use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame};
 use crate::estimate::functionals::{LinearFunctional, OfEnergy, has_duals};
-use crate::estimate::nonconformity::Nonconformity;
 use crate::estimate::reaction_work::{has_friction_work, has_reaction_work};
 use crate::estimate::strain_of_bodies::{has_strain_of_bodies, strain_of_bodies, work_on_jump};
 use crate::quantities::{self, At, EstimatedQuantity, has_largest_stress};
@@ -78,31 +77,33 @@ pub(crate) fn both(
         ends = data.contact_ends(tips, part, [&solved.elastic_field(), plus]);
     }
     both.extend(length_of_contact(scene, tips, &ends));
+    let nonconformity =
+        plus.map(|plus| data.nonconformity(&body.joints, plus, bubbles).and(data.nonconformity_of_supports(plus)));
+    let left = plus.zip(nonconformity.as_ref().filter(|left| left.is_there()));
+    // others still tell what frozen sets make of displacements that do not agree
     let with_duals = has_duals(scene, tips, &ends);
+    let is_weighed = with_duals || left.is_some();
     let mut functionals =
-        if with_duals { data.functionals(solved, (field.as_ref(), around.as_ref()), &peaks) } else { Vec::new() };
+        if is_weighed { data.functionals(solved, (field.as_ref(), around.as_ref()), &peaks) } else { Vec::new() };
     functionals.resize(both.len(), None);
     let of_energies = energies((data, solved, factors), duals, bubbles, (correction, &changes), of_jump.as_ref())?;
     for (values, slope) in of_energies {
         both.push(values);
-        functionals.push(slope.filter(|_| with_duals));
+        functionals.push(slope.filter(|_| is_weighed));
     }
     if has_largest_stress(scene) {
         let largest = plus.as_ref().and_then(|plus| largest_stress(scene, solved, plus));
         both.push(largest.map_or([f64::NAN; 2], |(own, _)| own));
-        let known = largest.filter(|_| with_duals).zip(field.as_ref());
+        let known = largest.filter(|_| is_weighed).zip(field.as_ref());
         functionals.push(known.and_then(|((_, x), field)| data.of_von_mises(solved, (field, around.as_ref()), x)));
     }
-    let nonconformity =
-        plus.map(|plus| data.nonconformity(&body.joints, plus, bubbles)).filter(Nonconformity::is_there);
-    let left = field.as_ref().zip(nonconformity.as_ref());
     let all = both.iter().zip(functionals).map(|(&[value, enriched], functional)| {
         let weighted = functional.and_then(|functional| duals.weighted(&functional, (rest, missed, left), &ends));
         let of_rest = weighted.as_ref().map_or(0.0, |weighted| weighted.of_rest);
         EstimatedQuantity {
             value,
             enriched: enriched + of_rest,
-            weighted: weighted.map(|weighted| [weighted.sum, weighted.of_ends]),
+            weighted: weighted.filter(|_| with_duals).map(|weighted| [weighted.sum, weighted.of_ends]),
         }
     });
     Ok((all.collect(), ends))

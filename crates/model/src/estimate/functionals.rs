@@ -27,8 +27,8 @@ pub(crate) struct LinearFunctional {
     pub(crate) of_forces: Vec<f64>,
     /// Of the displacements and bubbles of all, and of the top tractions of a piece.
     pub(crate) of_energy: Option<OfEnergy>,
-    /// The elements whose traces it weighs.
-    pub(crate) traces: Vec<usize>,
+    /// The traces that it weighs: element, reference coordinate, weights.
+    pub(crate) traces: Vec<(usize, f64, Trace)>,
 }
 
 /// The slope of an energy.
@@ -59,7 +59,7 @@ impl LinearFunctional {
 
     /// Adds the trace at the reference coordinate t of element e, times these weights.
     fn add(&mut self, field: &Field, (e, t): (usize, f64), by: &Trace) {
-        self.traces.push(e);
+        self.traces.push((e, t, *by));
         let (piece, local) = field.place(e);
         self.part(field, piece).add_trace(field.of_piece(piece), (local, t), by);
     }

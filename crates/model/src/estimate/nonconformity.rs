@@ -1,10 +1,13 @@
-//! The nonconformity of displacements of bodies that agree in the mean only, and what it changes.
+//! The nonconformity of displacements: of bodies that agree in the mean only, and of sides held at data that are no polynomials.
 //!
 //! ```text
 //! w = [u] - g n, or [u] - j,        where an interface is closed, stuck or tied
+//! w = u - u_D                       where a side is held
 //! J of the energy                   ∫ λ·w,       λ the mean of the tractions of both sides of u: J is stationary together with -λ·w
 //! J of a number                     ∫ τ·w,       τ that of its dual solution z, from a(v, z) - ∫ τ·[v] = J(v) for all v, with a jump or not
 //! ```
+//! Where J weighs displacements of a held side, τ is the traction of z less that weight.
+//!
 //! τ is taken from the side that carries multipliers: that of a coarser side may be ten times as large beside a point.
 //!
 //! *Fails when* the elements of that side are coarser than the distance of a point whose stress is asked for.
@@ -17,7 +20,7 @@ use steklov_bem_operators::Site;
 use steklov_contact::ContactBubble;
 use steklov_coupling::{Cell, Facing, Met, meet};
 use steklov_elastic::plane::{dot, turned};
-use steklov_problem::Law;
+use steklov_problem::{Condition, Law};
 use steklov_quadrature::{gauss_legendre, project};
 
 use crate::data::joints::Joint;
@@ -60,6 +63,14 @@ pub(crate) struct Nonconformity {
 }
 
 impl Nonconformity {
+    /// With that of other elements.
+    pub(crate) fn and(mut self, other: Self) -> Self {
+        let first = self.points.len();
+        self.points.extend(other.points);
+        self.cells.extend(other.cells.into_iter().map(|(e, points)| (e, first + points.start..first + points.end)));
+        self
+    }
+
     /// ∫ λ·w (energy).
     pub(crate) fn work(&self, field: ElasticField<'_>) -> f64 {
         let of = |left: &Left| {
@@ -146,12 +157,44 @@ impl OnMesh<'_> {
             Left { places: [(e, t), (m, s)], ds, directions, along }
         };
         let mut points: Vec<Left> = rule.points.iter().zip(&rule.weights).map(at).collect();
-        for i in 0..2 {
-            if points.iter().all(|left| left.along[i].abs() <= ROUNDED * largest) {
-                points.iter_mut().for_each(|left| left.along[i] = 0.0);
-            }
-        }
+        without_rounding(&mut points, largest);
         points
+    }
+
+    /// The nonconformity of a field on the sides that are held.
+    pub(crate) fn nonconformity_of_supports(&self, field: ElasticField<'_>) -> Nonconformity {
+        let mut found = Nonconformity::default();
+        let rule = gauss_legendre(POINTS);
+        for e in (0..self.mesh.len()).filter(|&e| self.is_held(e)) {
+            let mut largest = f64::MIN_POSITIVE;
+            let at = |(&t, &weight): (&f64, &f64)| {
+                let (own, _) = field.on_boundary(e, t);
+                largest = own.into_iter().fold(largest, |m, u| m.max(u.abs()));
+                let along = self.off_support(own, (e, t));
+                let ds = weight * self.mesh.speed(e, t);
+                Left { places: [(e, t); 2], ds, directions: [[1.0, 0.0], [0.0, 1.0]], along }
+            };
+            let first = found.points.len();
+            found.points.extend(rule.points.iter().zip(&rule.weights).map(at));
+            without_rounding(&mut found.points[first..], largest);
+            found.cells.push((e, first..found.points.len()));
+        }
+        found
+    }
+
+    /// Whether the side of an element holds a component of the displacement.
+    pub(crate) fn is_held(&self, e: usize) -> bool {
+        let side = &self.scene.problem.sides[self.mesh.side[e]];
+        side.holds(0) || side.holds(1)
+    }
+
+    /// u - u_D of a displacement at a point of an element, in the components that its side holds, else zero.
+    pub(crate) fn off_support(&self, u: [f64; 2], (e, t): (usize, f64)) -> [f64; 2] {
+        let Condition::Displacement { values, .. } = &self.scene.problem.sides[self.mesh.side[e]].condition else {
+            return [0.0; 2];
+        };
+        let site = Site::new(self.mesh, e, t);
+        [0, 1].map(|i| values[i].as_ref().map_or(0.0, |value| u[i] - self.value(value, &site)))
     }
 
     /// The distance between two points that a law joins: the gap along n, the jump of a tie.
@@ -165,6 +208,15 @@ impl OnMesh<'_> {
                 .displacement_jump
                 .as_ref()
                 .map_or([0.0; 2], |jump| jump.each_ref().map(|jump| self.value(jump, site))),
+        }
+    }
+}
+
+/// Components of w that are rounding of the largest displacement on a cell are zero.
+fn without_rounding(points: &mut [Left], largest: f64) {
+    for i in 0..2 {
+        if points.iter().all(|left| left.along[i].abs() <= ROUNDED * largest) {
+            points.iter_mut().for_each(|left| left.along[i] = 0.0);
         }
     }
 }
