@@ -150,14 +150,12 @@ impl Edge {
     /// Roots in [0, 1] of a function with its slope, ends included: one in each part of the edge in which it changes its sign.
     fn roots(&self, f: &dyn Fn(f64) -> [f64; 2]) -> Vec<f64> {
         let parts = if self.is_line() { 1 } else { 32 };
-        let at_end = |s: f64| {
-            let [value, slope] = f(s);
-            value.abs() <= AT_END * slope.abs()
-        };
-        let mut roots: Vec<f64> = [0.0, 1.0].into_iter().filter(|&s| at_end(s)).collect();
-        for k in 0..parts {
-            let [mut low, mut high] = [k, k + 1].map(|k| k as f64 / parts as f64);
-            let ([at_low, _], [at_high, _]) = (f(low), f(high));
+        let knot = |k: usize| k as f64 / parts as f64;
+        let values: Vec<[f64; 2]> = (0..=parts).map(|k| f(knot(k))).collect();
+        let is_root = |k: &usize| values[*k][0].abs() <= AT_END * values[*k][1].abs();
+        let mut roots: Vec<f64> = [0, parts].into_iter().filter(is_root).map(knot).collect();
+        for (k, pair) in values.windows(2).enumerate() {
+            let ([mut low, mut high], [at_low, at_high]) = ([knot(k), knot(k + 1)], [pair[0][0], pair[1][0]]);
             if at_low * at_high > 0.0 || at_low == at_high {
                 continue;
             }

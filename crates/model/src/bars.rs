@@ -280,7 +280,10 @@ impl Bars {
             [if is_pressure { enriched } else { value }, uncertainty]
         };
         let values = last.quantities.iter().enumerate().map(of).collect();
-        let sizes = sizes(scene, last.scale);
+        // soft springs let bodies move far, and their matrices round with that
+        let of_springs = entries.iter().zip(&last.quantities).find(|(entry, _)| entry.of == Of::Springs);
+        let springs = of_springs.map_or(0.0, |(_, energy)| energy.value.max(0.0));
+        let sizes = sizes(scene, (last.scale * last.scale + 2.0 * springs).sqrt());
         let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
         let is_plain = last.doubts.is_empty() && last.relative > ENERGY_ROUNDED && !coulomb;
         let of_energy = is_plain.then(|| OF_WEIGHTED * weighted_energy(last));

@@ -8,10 +8,12 @@
 //! A node that cannot carry a multiplier, because a support holds it or another interface has one there, gives its dual function
 //! to the next node of its element.
 
+use std::collections::BTreeSet;
+
 use steklov_bem_operators::{Relative, Site, order_of_rows};
 use steklov_contact::{ContactBoundary, ContactError, Row, Transfer, oscillation};
 use steklov_coupling::{Cell, Facing, MortarRow, cells, mortar_rows};
-use steklov_elastic::plane::{cross, turned};
+use steklov_elastic::plane::{cross, distance, minus, turned};
 use steklov_expression::Expression;
 use steklov_problem::{Interface, Law, Seen, Tie};
 
@@ -30,6 +32,8 @@ pub struct Joint {
     pub other: Vec<usize>,
     /// The parts that are faced.
     pub cells: Vec<Cell>,
+    /// The nodes of its bodies with curves that nothing holds against rotations.
+    pub(crate) turning: BTreeSet<usize>,
 }
 
 /// A node of a tie with a component of its displacement.
@@ -59,8 +63,8 @@ const ALIGNED: f64 = 1e-14;
 const UNCOVERED: f64 = 1e-8;
 
 impl OnMesh<'_> {
-    /// The interfaces between bodies.
-    pub(crate) fn joints(&self) -> Result<Vec<Joint>, SolveError> {
+    /// The interfaces between bodies; `turns` whether the body of an element has curves and nothing that holds it against rotations.
+    pub(crate) fn joints(&self, turns: impl Fn(usize) -> bool) -> Result<Vec<Joint>, SolveError> {
         let problem = &self.scene.problem;
         let mut joints = Vec::new();
         for (number, interface) in problem.interfaces().iter().enumerate() {
@@ -92,7 +96,9 @@ impl OnMesh<'_> {
                     return Err(ContactError::Inconsistent { what }.into());
                 }
             }
-            joints.push(Joint { interface: number, own, other, cells });
+            let both = own.iter().chain(&other).filter(|e| turns(**e));
+            let turning = both.flat_map(|&e| self.space.element_nodes(e)).collect();
+            joints.push(Joint { interface: number, own, other, cells, turning });
         }
         Ok(joints)
     }
@@ -123,6 +129,42 @@ impl OnMesh<'_> {
     fn part_of_row(&self, node: usize, e: usize, cells: &[Cell]) -> Option<MortarRow> {
         let cells: Vec<Cell> = cells.iter().copied().filter(|cell| cell.element == e).collect();
         self.rows_of(&[e], &cells).into_iter().find(|row| row.node == node)
+    }
+
+    /// The nodes that a row of one of these interfaces along d faces, and c_j = P_ij d. If one of both bodies turns, with the couple on them
+    /// that makes Σ c_j·r(x_j) = d·r(y) for rotations r as well, y the point that the node faces: polynomials on curves have none, and
+    /// forces there would turn bodies that nothing holds.
+    fn faced(&self, row: &MortarRow, joints: &[&Joint], d: [f64; 2]) -> Vec<(usize, [f64; 2])> {
+        let plain = row.other.iter().map(|&(j, p)| (j, d.map(|d| p * d)));
+        let turns = |node: usize| joints.iter().any(|joint| joint.turning.contains(&node));
+        let seen = || joints.iter().find_map(|joint| self.seen_by(row.node, &joint.own));
+        let turn = turns(row.node) || row.other.iter().any(|&(j, _)| turns(j));
+        let Some(y) = turn.then(seen).flatten() else { return plain.collect() };
+        let at = |j: usize| self.space.points[j];
+        let count = row.other.len() as f64;
+        let [sum, met] = row.other.iter().fold([[0.0; 2]; 2], |[sum, met], &(j, p)| {
+            let x = at(j);
+            [[sum[0] + x[0], sum[1] + x[1]], [met[0] + p * x[0], met[1] + p * x[1]]]
+        });
+        let centre = sum.map(|s| s / count);
+        let inertia: f64 = row.other.iter().map(|&(j, _)| distance(at(j), centre).powi(2)).sum();
+        let missed = cross(minus(y, met), d);
+        if inertia == 0.0 || missed.abs() <= NO_DISTANCE * self.scene.problem.outline.diameter() {
+            return plain.collect();
+        }
+        let with_couple = |(j, c): (usize, [f64; 2])| {
+            let r = turned(minus(at(j), centre));
+            (j, [0, 1].map(|i| c[i] + missed / inertia * r[i]))
+        };
+        plain.map(with_couple).collect()
+    }
+
+    /// The point that a node of these elements faces.
+    fn seen_by(&self, node: usize, own: &[usize]) -> Option<[f64; 2]> {
+        let e = own.iter().copied().find(|&e| self.space.element_nodes(e).any(|n| n == node))?;
+        let k = self.space.element_nodes(e).position(|n| n == node)?;
+        let seen = self.seen(e, self.space.basis(e).nodes[k])?;
+        Some(self.scene.problem.outline.edges()[seen.edge].point(seen.s))
     }
 
     /// The one of these elements that has two given nodes.
@@ -168,9 +210,9 @@ impl OnMesh<'_> {
         joints: &[Joint],
         held: &[Held],
     ) -> Result<(), SolveError> {
-        let contact: Vec<&Joint> = joints.iter().filter(|joint| self.is_contact(joint)).collect();
-        let own: Vec<usize> = contact.iter().flat_map(|joint| joint.own.iter().copied()).collect();
-        let cells: Vec<Cell> = contact.iter().flat_map(|joint| joint.cells.iter().copied()).collect();
+        let of_contact: Vec<&Joint> = joints.iter().filter(|joint| self.is_contact(joint)).collect();
+        let own: Vec<usize> = of_contact.iter().flat_map(|joint| joint.own.iter().copied()).collect();
+        let cells: Vec<Cell> = of_contact.iter().flat_map(|joint| joint.cells.iter().copied()).collect();
         let rows = self.rows_of(&own, &cells);
         let row_of = |node: usize| rows.iter().find(|row| row.node == node);
         let (mut condition, mut found) = (0, Vec::new());
@@ -185,7 +227,7 @@ impl OnMesh<'_> {
                     }
                     let mut faced: Vec<(usize, [f64; 2])> = Vec::new();
                     let mut add = |row: &MortarRow, direction: [f64; 2], part: f64| {
-                        faced.extend(row.other.iter().map(|&(j, p)| (j, direction.map(|d| part * p * d))));
+                        faced.extend(self.faced(row, &of_contact, direction.map(|d| part * d)));
                     };
                     if let Some(row) = row_of(node.node) {
                         add(row, direction, 1.0);
@@ -249,7 +291,7 @@ impl OnMesh<'_> {
             let mut own: Vec<TiedNode> = Vec::new();
             for row in &rows {
                 for i in (0..2).filter(|&i| carries(row.node, i)) {
-                    let faced = row.other.iter().map(|&(j, p)| (j, along(i, p))).collect();
+                    let faced = self.faced(row, &[joint], along(i, 1.0));
                     let relative = Relative { node: row.node, direction: along(i, 1.0), faced };
                     let jump = jumps[row.node][i] / row.weight;
                     let (dof, weight) = (2 * row.node + i, row.weight);
@@ -275,7 +317,7 @@ impl OnMesh<'_> {
                         let share = part.weight / receiver.weight;
                         let faced = &mut receiver.relative.faced;
                         faced.push((end.node, along(i, -share)));
-                        faced.extend(part.other.iter().map(|&(j, p)| (j, along(i, share * p))));
+                        faced.extend(self.faced(&part, &[joint], along(i, share)));
                         receiver.jump += self.jumps_on_element(jump, e, end.node)[i] / receiver.weight;
                     }
                 }

@@ -34,12 +34,14 @@ pub struct Loads {
     /// h/(p+2) ‖t - Π_(p+1) t‖² of each element (force²): divided by E* the energy of the part that its degree, raised by one,
     /// does not resolve.
     pub unresolved: Vec<f64>,
+    /// What the nodal loads lack of the work on rotations of bodies with curves; empty for nothing.
+    pub turning: Vec<f64>,
 }
 
 impl Loads {
     /// The integrals of the tractions times a factor.
     pub fn scale(&mut self, factor: f64) {
-        self.nodal.iter_mut().chain(&mut self.bubbles).for_each(|t| *t *= factor);
+        self.nodal.iter_mut().chain(&mut self.bubbles).chain(&mut self.turning).for_each(|t| *t *= factor);
         self.unresolved.iter_mut().for_each(|t| *t *= factor * factor);
     }
 }
@@ -149,7 +151,7 @@ impl OnMesh<'_> {
             load.iter_mut().zip(remote.traction_load(self.mesh, self.space)).for_each(|(f, t)| *f += t);
             extra.iter_mut().zip(remote.bubble_load(self.mesh, self.space)).for_each(|(f, t)| *f += t);
         }
-        Ok(Loads { nodal: load, bubbles: extra, unresolved })
+        Ok(Loads { nodal: load, bubbles: extra, unresolved, turning: Vec::new() })
     }
 
     /// ∫ of a datum over each element of a side.

@@ -2,11 +2,10 @@
 //!
 //! The polynomials of curved elements have no rotations among them, so that a body that turns has the displacement I_p(u - r) + r,
 //! r its motion. Loads act on I_p u in the equations: the rest δ = r - I_p r does the work ∫ (t - t_p)·δ that J does not have, t_p
-//! the traction of the particular solution, and on interfaces, where the multiplier's part of t is in [`crate::estimate::interface_residual`], -∫ t_p·δ.
+//! the traction of the particular solution. Of several bodies the loads have that work themselves.
 
 use steklov_quadrature::gauss_legendre;
 
-use crate::data::joints::Joint;
 use crate::data::on_mesh::OnMesh;
 use crate::solve::body::Body;
 use crate::solve::solution::Solved;
@@ -17,8 +16,9 @@ const MORE: usize = 16;
 impl OnMesh<'_> {
     /// The first-order gain of J by δ; `homogeneous` is the nodal displacement without particular solutions.
     pub(crate) fn turning_work(&self, solved: &Solved, body: &Body, homogeneous: &[f64]) -> f64 {
-        let of_joint =
-            |e: usize| body.joints.iter().any(|joint: &Joint| joint.own.contains(&e) || joint.other.contains(&e));
+        if self.scene.problem.has_several_bodies() {
+            return 0.0;
+        }
         let mut work = 0.0;
         for assembled in &body.pieces {
             let piece = &assembled.piece;
@@ -31,11 +31,7 @@ impl OnMesh<'_> {
                 let mut phi = vec![0.0; basis.degree + 1];
                 for (&t, &w) in rule.points.iter().zip(&rule.weights) {
                     basis.evaluate(t, &mut phi);
-                    let (x, n) = (self.mesh.point(e, t), self.mesh.normal(e, t));
-                    let traction = match of_joint(e) {
-                        true => solved.particular.of(e).map_or([0.0; 2], |own| own.traction(x, n)).map(|t| -t),
-                        false => solved.field.trace(e, t).traction,
-                    };
+                    let (x, traction) = (self.mesh.point(e, t), solved.field.trace(e, t).traction);
                     for (i, exact) in motion.at(x).into_iter().enumerate() {
                         let follows: f64 = nodal.iter().zip(&phi).map(|(r, phi)| r[i] * phi).sum();
                         work -= w * self.mesh.speed(e, t) * traction[i] * (exact - follows);

@@ -286,7 +286,12 @@ pub fn answer<M: Model>(
 
 /// What the solver left undone, and what to do about it.
 fn unsolved(scene: &Scene, contact: Option<&ContactResult>, outcomes: usize) -> String {
-    let nearer = "bring lengths, gaps, loads and Young's modulus nearer to each other";
+    let nearer = match scene.problem.has_springs() {
+        true => {
+            "bring lengths, gaps, loads, Young's modulus and the stiffness of springs (stress/length) nearer to each other"
+        }
+        false => "bring lengths, gaps, loads and Young's modulus nearer to each other",
+    };
     let Some(contact) = contact else {
         return format!("the forces balance to few digits only: {nearer}");
     };

@@ -38,7 +38,7 @@ pub(crate) fn report<'a>(
     if scene.problem.has_several_bodies() {
         let rows = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
         // a mesh that was solved has them
-        let joints = data.joints().unwrap_or_default();
+        let joints = data.joints(|_| false).unwrap_or_default();
         interfaces = interfaces::interfaces(scene, solved, &joints, &rows, located);
         let error = estimate.map_or(scene.method.tolerance(), |e| e.relative.max(scene.method.tolerance()));
         reach = interfaces::reach(scene, solved, &joints, error);

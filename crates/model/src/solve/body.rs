@@ -485,11 +485,12 @@ impl Body {
             self.pieces.iter().zip(&given.particular).enumerate().map(&mut of_body).collect();
         let sum = |of: fn(&Energies) -> f64| of_bodies.iter().map(of).sum::<f64>();
         let springs = self.springs.energy(&self.space, displacement);
+        let turned: f64 = given.loads.turning.iter().zip(&homogeneous).map(|(f, u)| f * u).sum();
         let mut energies = Energies {
-            total: sum(|e| e.total) + springs + friction_work,
+            total: sum(|e| e.total) - turned + springs + friction_work,
             strain: sum(|e| e.strain),
             springs,
-            load_work: sum(|e| e.load_work),
+            load_work: sum(|e| e.load_work) + turned,
             friction_work,
         };
         if let Some(outside) = &self.outside {

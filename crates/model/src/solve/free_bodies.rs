@@ -6,7 +6,7 @@
 //! holds it, as large as the work of pressures along d instead of n on it.
 
 use faer::Mat;
-use steklov_algebra::{dot, symmetric_eigen};
+use steklov_algebra::{dot, solve_full_lu, symmetric_eigen};
 use steklov_bem_operators::{Mesh, Relative, Space};
 use steklov_contact::ContactBoundary;
 use steklov_elastic::{RigidMotion, plane};
@@ -136,6 +136,9 @@ impl OnMesh<'_> {
     ) -> Result<(Vec<RigidMotion>, Loose), SolveError> {
         let supports = Supports { space: self.space, held };
         if self.scene.problem.has_several_bodies() {
+            if bodies.iter().any(|body| !body.turning.is_empty()) {
+                self.turn_with_bodies(bodies, given)?;
+            }
             let loose = self.loose_motions(bodies, joints, (&supports, springs), given, tied)?;
             if bodies.iter().any(|body| !body.turning.is_empty()) {
                 project_load_off(&mut given.load, &loose.motions);
@@ -159,6 +162,38 @@ impl OnMesh<'_> {
             project_load_off(&mut given.load, &motions);
         }
         Ok((free, Loose { motions, rotations: Vec::new() }))
+    }
+
+    /// Gives the loads of bodies that turn the work of the loads on their rotations, which nodal values are not on curves.
+    fn turn_with_bodies(&self, bodies: &[Assembled], given: &mut Loading) -> Result<(), SolveError> {
+        let of_body = |body: &Assembled| missed(&body.piece.part.mesh, &body.piece.part.space, &body.turning);
+        let Some((space, exact)) = rigid_load(self, given, bodies, bodies.iter().map(of_body).fold(0.0, f64::max))?
+        else {
+            return Ok(());
+        };
+        let mut turning = vec![0.0; given.load.len()];
+        for Assembled { piece, turning: free, .. } in bodies.iter().filter(|body| !body.turning.is_empty()) {
+            let part = &piece.part;
+            let motions: Vec<Vec<f64>> = free.iter().map(|motion| motion.nodal(&part.space.points)).collect();
+            let own = part.own(&given.load);
+            let nodes = || part.elements.iter().flat_map(|&e| space.offset[e]..space.offset[e + 1]);
+            let work = |motion: &RigidMotion| -> f64 {
+                nodes()
+                    .map(|node| plane::dot([exact[2 * node], exact[2 * node + 1]], motion.at(space.points[node])))
+                    .sum()
+            };
+            let lacked = Mat::from_fn(free.len(), 1, |k, _| work(&free[k]) - dot(&own, &motions[k]));
+            let gram = Mat::from_fn(free.len(), free.len(), |i, j| dot(&motions[i], &motions[j]));
+            let parts = solve_full_lu(gram.as_ref(), lacked.as_ref());
+            let mut added = vec![0.0; own.len()];
+            for (k, motion) in motions.iter().enumerate() {
+                added.iter_mut().zip(motion).for_each(|(f, r)| *f += parts[(k, 0)] * r);
+            }
+            part.set(&mut turning, &added);
+        }
+        given.load.iter_mut().zip(&turning).for_each(|(f, added)| *f += added);
+        given.loads.turning = turning;
+        Ok(())
     }
 
     /// The motions that move bodies without a held displacement, a tie, an approach or, with friction, a slip
@@ -187,32 +222,20 @@ impl OnMesh<'_> {
         }
         let resisted = free.len();
         free.extend(rotations.iter().map(|(_, parts)| parts.clone()));
-        let moved = |parts: &[f64], space: &Space| {
-            let mut nodal = vec![0.0; space.dofs()];
+        let moved = |parts: &[f64]| {
+            let mut nodal = vec![0.0; self.space.dofs()];
             for (part, (body, motion)) in parts.iter().zip(&motions) {
-                for node in bodies[*body].piece.part.elements.iter().flat_map(|&e| space.offset[e]..space.offset[e + 1])
-                {
-                    let moved = motion.at(space.points[node]);
+                for &node in &bodies[*body].piece.part.nodes {
+                    let moved = motion.at(self.space.points[node]);
                     (0..2).for_each(|i| nodal[2 * node + i] += part * moved[i]);
                 }
             }
             nodal
         };
-        let mut nodal: Vec<Vec<f64>> = free.iter().map(|parts| moved(parts, self.space)).collect();
-        let turns = |k: usize| free.iter().any(|parts| parts[k] != 0.0);
-        let missed = (0..motions.len()).filter(|&k| turns(k)).map(|k| {
-            let (body, motion) = &motions[k];
-            let part = &bodies[*body].piece.part;
-            missed(&part.mesh, &part.space, std::slice::from_ref(motion))
-        });
-        let exact = rigid_load(self, given, bodies, missed.fold(0.0, f64::max))?;
+        let mut nodal: Vec<Vec<f64>> = free.iter().map(|parts| moved(parts)).collect();
         for (parts, nodal) in free.iter().zip(&nodal) {
-            let (load, motion) = match &exact {
-                None => (&given.load, nodal.clone()),
-                Some((space, load)) => (load, moved(parts, space)),
-            };
-            let (work, scale) = nodal_work(load, &motion);
-            if work.abs() > DRIVEN * scale + rounding * largest_work(load, &motion) {
+            let (work, scale) = nodal_work(&given.load, nodal);
+            if work.abs() > DRIVEN * scale + rounding * largest_work(&given.load, nodal) {
                 let moves = |b: &usize| motions.iter().zip(parts).any(|((body, _), v)| body == b && v.abs() > 1e-6);
                 let names: Vec<&str> =
                     (0..bodies.len()).filter(moves).map(|b| self.scene.problem.bodies[b].name.as_str()).collect();

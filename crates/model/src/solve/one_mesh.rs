@@ -11,7 +11,7 @@ use steklov_problem::{Multiplier, Scene, Solver};
 use crate::data::body_load::Particular;
 use crate::data::joints::TiedNode;
 use crate::data::on_mesh::OnMesh;
-use crate::data::parts::{Assembled, Carried, pieces};
+use crate::data::parts::{Assembled, Carried, Piece, pieces};
 use crate::data::springs::Springs;
 use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
@@ -55,18 +55,11 @@ fn partition(
     (partition, of_contact.chain(tied.iter().map(|tied| tied.relative.clone())).collect())
 }
 
-/// Takes the part of rotations that nodal values miss on curves out of the matrices, so that it does not resist them.
-fn release_rotations(
-    data: &OnMesh<'_>,
-    bodies: &mut [Assembled],
-    (held, springs): (&[Held], &Springs),
-    matrices: &mut Matrices,
-) {
-    let several = bodies.len() > 1;
+/// The motions of each piece that supports and springs leave free, where it has curves on which nodal values are no rotations.
+fn turning(data: &OnMesh<'_>, pieces: &[Piece], (held, springs): (&[Held], &Springs)) -> Vec<Vec<RigidMotion>> {
+    let several = pieces.len() > 1;
     let is_cut = several && !data.scene.problem.has_several_bodies();
-    let mut is_done = vec![false; matrices.different.len()];
-    for (body, &number) in bodies.iter_mut().zip(&matrices.of) {
-        let Assembled { piece, turning, .. } = body;
+    let of = |piece: &Piece| {
         let part = &piece.part;
         let held: Vec<Held> = part.nodes.iter().map(|&node| held[node]).collect();
         let of_piece = Supports { space: &part.space, held: &held };
@@ -77,14 +70,21 @@ fn release_rotations(
             false => data.scene.unresisted(piece.body, of_piece.free_motions(resisted)),
         };
         let is_medium = data.scene.problem.bodies[piece.body].far.is_some();
-        if several && is_medium || missed(&part.mesh, &part.space, &candidates) == 0.0 {
-            continue;
-        }
+        let turns = !(several && is_medium) && missed(&part.mesh, &part.space, &candidates) > 0.0;
+        if turns { candidates } else { Vec::new() }
+    };
+    pieces.iter().map(of).collect()
+}
+
+/// Takes the part of rotations that nodal values miss on curves out of the matrices, so that it does not resist them.
+fn release_rotations(bodies: &mut [Assembled], turning: Vec<Vec<RigidMotion>>, matrices: &mut Matrices) {
+    let mut is_done = vec![false; matrices.different.len()];
+    for ((body, motions), &number) in bodies.iter_mut().zip(turning).zip(&matrices.of) {
         // the motions of a translate are the same
-        if !std::mem::replace(&mut is_done[number], true) {
-            project_off(&mut matrices.different[number], &nodal(&candidates, &part.space.points));
+        if !motions.is_empty() && !std::mem::replace(&mut is_done[number], true) {
+            project_off(&mut matrices.different[number], &nodal(&motions, &body.piece.part.space.points));
         }
-        *turning = candidates;
+        body.turning = motions;
     }
 }
 
@@ -185,10 +185,12 @@ pub fn solve(
     let mut held = data.held()?;
     held.resize(points.len(), Held::default());
     let loads = data.load()?;
-    let joints = data.joints()?;
+    let springs = data.springs()?;
+    let turning = turning(&data, &pieces, (&held, &springs));
+    let turns = |e: usize| pieces.iter().zip(&turning).any(|(piece, motions)| !motions.is_empty() && piece.part.has(e));
+    let joints = data.joints(turns)?;
     let boundary = data.condensed_contact(&held, &joints)?;
     let tied = data.tied_nodes(&joints, &held, boundary.as_ref())?;
-    let springs = data.springs()?;
     seconds.set_up = clock.elapsed().as_secs_f64();
 
     let (mut matrices, mut bodies) = assemble(&data, pieces, estimated, cache, &mut seconds, observe)?;
@@ -211,7 +213,7 @@ pub fn solve(
     }
 
     observe(Stage::Progress("condensation", 0.75))?;
-    release_rotations(&data, &mut bodies, (&held, &springs), &mut matrices);
+    release_rotations(&mut bodies, turning, &mut matrices);
     let (free, loose) = data.unresisted_motions((&bodies, &points), (&joints, &tied), (&held, &springs), &mut given)?;
     let (partition, rows) = partition(given.boundary.as_ref(), &supports, &tied);
     if given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised {
