@@ -272,6 +272,58 @@ fn rings_press_each_other_as_lame_says() {
     assert!((tied.energy / energy - 1.0).abs() < 1e-9, "{} {energy}", tied.energy);
 }
 
+/// An eccentric ring in one that is pressed unevenly, in contact without friction: nothing resists the rotation of either about the centre
+/// of the circle on which they meet, whose nodal values are no rotation between the nodes. Forces between the rings turn neither, on any mesh.
+#[test]
+fn rings_that_nothing_holds_are_in_equilibrium_on_every_mesh() {
+    let text = "[[body]]\nname = \"a\"\ncircle = { centre = [0, 0], radius = 1 }\nside = \"o\"\n\
+                material = { young = 12.06, poisson = 0.3 }\n[[body.holes]]\ncircle = { centre = [0.1, 0], radius = 0.8 }\n\
+                side = \"i\"\n[[body]]\nname = \"b\"\ncircle = { centre = [0, 0], radius = 2 }\nside = \"out\"\n\
+                material = { young = 13.28, poisson = 0.2 }\n[[body.holes]]\ncircle = { centre = [0, 0], radius = 1 }\n\
+                side = \"w\"\n[sides.b.out]\npressure = \"0.1 + 0.04*x*y\"\n[sides.a.i]\npressure = 0.07\n\
+                [[interface]]\nbetween = [\"b.w\", \"a.o\"]\ncontact = { gap = -0.0017 }\n";
+    let at = |tolerance: &str| solved(text, &[&format!("method.tolerance={tolerance}")]);
+    let fine = at("1e-5");
+    for tolerance in ["5e-1", "1e-1", "1e-2", "1e-3"] {
+        let told = at(tolerance);
+        let (j, extrapolated) = (fine.energy, told.energy_extrapolated.unwrap());
+        let (off, bar) = ((extrapolated - j).abs(), told.energy_uncertainty.unwrap());
+        println!("{tolerance}: {} dofs, {:?}, J off by {off:e} ± {bar:e}", told.dofs, told.audit);
+        assert!(told.audit.unwrap().equilibrium < 1e-12 && told.converged && off < bar);
+    }
+}
+
+/// A ring tied into a plate, pulled and turned at its bore: the moment that the support of the plate bears is that of the loads, and
+/// J = -½ their work. The ring follows rotations, of which the polynomials of the plate have none at its round hole.
+#[test]
+fn moments_go_through_round_ties() {
+    let [x, y, r] = [0.35, -0.25, 0.25];
+    let [pull, lift, couple] = [0.9, 0.4, 0.8 * r * r].map(|t| t * std::f64::consts::TAU * r);
+    let moment = -(x * lift - y * pull + couple);
+    for (support, fine) in [("springs = 1.0", 1e-7), ("springs = 0.01", 1e-7), ("displacement = [0, 0]", 1e-8)] {
+        let text = format!(
+            "[[body]]\nname = \"p\"\ncorners = [[-2, -2], [2, -2], [2, 2], [-2, 2]]\n\
+             sides = [\"bottom\", \"right\", \"top\", \"left\"]\n[[body.holes]]\n\
+             circle = {{ centre = [{x}, {y}], radius = 0.8 }}\nside = \"hole\"\n[[body]]\nname = \"d\"\n\
+             circle = {{ centre = [{x}, {y}], radius = 0.8 }}\nside = \"rim\"\n[[body.holes]]\n\
+             circle = {{ centre = [{x}, {y}], radius = {r} }}\nside = \"bore\"\n\
+             [material]\nyoung = 1000\npoisson = 0.3\n\
+             [sides.d.bore]\ntraction = [\"0.9 - 0.8*(y + 0.25)\", \"0.4 + 0.8*(x - 0.35)\"]\n[sides.p.bottom]\n{support}\n\
+             [[interface]]\nbetween = [\"d.rim\", \"p.hole\"]\ntied = true\n\
+             [quantities]\nm = {{ moment = \"p.bottom\", about = [0, 0] }}\n"
+        );
+        for (tolerance, most) in [("1e-1", 3e-3), ("1e-2", 1e-5), ("1e-3", fine)] {
+            let told = solved(&text, &[&format!("method.tolerance={tolerance}")]);
+            let own = &told.quantities["moment.m"];
+            let off = (own.value - moment).abs();
+            println!("{support}, {tolerance}: moment off by {off:e} ± {:e}", own.uncertainty);
+            assert!(off < most && off < 3.0 * own.uncertainty);
+            let [j, work] = ["energy", "load_work"].map(|path| told.quantities[path].value);
+            assert!((j + work / 2.0).abs() < 1e-9 * work, "{j} {work}");
+        }
+    }
+}
+
 /// A traction jump on a tie is a load of the body, on whichever side it is counted.
 #[test]
 fn jumps_of_tractions_load_both_bodies() {

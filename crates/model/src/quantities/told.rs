@@ -48,6 +48,8 @@ pub(crate) struct Told<'a> {
     pub length: Option<[f64; 2]>,
     /// The contact table.
     pub rows: &'a [ContactRow],
+    /// The place of the largest von Mises stress.
+    pub largest_at: Option<[f64; 2]>,
     /// Words of doubts.
     pub doubts: &'a [String],
     /// Whether the solution is exact.
@@ -128,7 +130,10 @@ impl Telling<'_> {
         match entry.of {
             Of::Reactions => return None,
             Of::Strain | Of::Springs => {}
-            Of::LargestStress => is_finite.then_some(())?,
+            Of::LargestStress => {
+                is_finite.then_some(())?;
+                self.widen(&mut quantity, k, told.largest_at.is_some_and(|x| is_end_of_springs(scene, x)));
+            }
             Of::Peak(of) => quantity.value = self.peak(of, k).filter(|_| is_finite)?,
             Of::Friction => {
                 // between nodes that all stick there may be some slip
@@ -182,12 +187,17 @@ impl Telling<'_> {
         }
         let of_stress = || is_corner(self.scene, x) || all.at_jumps.contains(&point);
         let is_weak = all.near_singular.contains(&point) || if is_stress { of_stress() } else { stress_unbounded };
-        if is_weak && quantity.uncertainty > SMALL * all.rounding(k) {
+        self.widen(quantity, k, is_weak);
+        Some(())
+    }
+
+    /// Widens the bar of a number at a corner and doubts it.
+    fn widen(&self, quantity: &mut Quantity, k: usize, is_weak: bool) {
+        if is_weak && quantity.uncertainty > SMALL * self.all.rounding(k) {
             quantity.uncertainty *= OF_CORNER;
             quantity.parts.values_mut().for_each(|part| *part *= OF_CORNER);
             quantity.doubt(Doubt::Coarse);
         }
-        Some(())
     }
 
     fn force(&self, quantity: &mut Quantity, sides: &[usize], (entry, k): (&Entry, usize)) -> Option<()> {
@@ -238,6 +248,13 @@ fn is_corner(scene: &Scene, x: [f64; 2]) -> bool {
     }
     let (other, is_straight) = beyond_end(outline, edge, at_end);
     edges[edge].side != edges[other].side || !is_straight
+}
+
+/// Whether a point is a corner of a side with springs: stiff ones make a layer there that is as steep as beside a support.
+fn is_end_of_springs(scene: &Scene, x: [f64; 2]) -> bool {
+    let sprung = scene.problem.outline.edges().iter().filter(|edge| scene.problem.sides[edge.side].springs.is_some());
+    let mut ends = sprung.flat_map(|edge| [edge.start, edge.end]);
+    is_corner(scene, x) && ends.any(|end| distance(end, x) <= SAME_PLACE * scene.problem.outline.diameter())
 }
 
 /// Whether the node of contact that is nearest to a point touches.

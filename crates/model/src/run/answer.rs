@@ -189,6 +189,7 @@ pub fn answer<M: Model>(
         length,
         rows,
         peak,
+        largest_at: report.largest_stress.map(|largest| largest.point),
         interfaces: &report.interfaces,
         doubts: &doubts,
         is_exact: exact,
