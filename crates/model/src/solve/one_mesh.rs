@@ -21,16 +21,28 @@ use crate::solve::body::{Body, Factors, Loading};
 use crate::solve::contact_solver::solve_problem;
 use crate::solve::free_bodies::Loose;
 use crate::solve::inclusion::Outside;
-use crate::solve::rotations::{missed, project_off};
+use crate::solve::rotations::{missed, orthonormal, project_off, project_off_basis};
 use crate::solve::solution::{Seconds, Solved};
 use crate::solve::stabilised::{self, StabilisedContact, solve_stabilised};
 use crate::solve::thin::without_digits;
 use crate::stage::Stage;
 
-/// The particular solutions of body forces, or of the stress far from holes, and the forces S u_p.
-fn particular(scene: &Scene, bodies: &[Assembled], matrices: &Matrices) -> Vec<Option<Particular>> {
+/// The particular solutions of body forces, or of the stress far from holes, and the forces S u_p of matrices that the motions of bodies
+/// that turn will be taken out of.
+fn particular(
+    scene: &Scene,
+    bodies: &[Assembled],
+    (matrices, turning): (&Matrices, &[Vec<RigidMotion>]),
+) -> Vec<Option<Particular>> {
     let of = |(k, Assembled { piece, .. }): (usize, &Assembled)| {
-        let product = |u: &[f64]| (matrices.get(k) * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
+        let basis = orthonormal(&nodal(&turning[k], &piece.part.space.points));
+        let product = |u: &[f64]| {
+            let mut u = u.to_vec();
+            project_off_basis(&mut u, &basis);
+            let mut forces: Vec<f64> = (matrices.get(k) * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
+            project_off_basis(&mut forces, &basis);
+            forces
+        };
         Particular::of_body(scene, piece.body, piece, product)
     };
     bodies.iter().enumerate().map(of).collect()
@@ -202,7 +214,7 @@ pub fn solve(
     for k in 0..bodies.len() {
         observe(Stage::Steklov(k, matrices.get(k)))?;
     }
-    let particular = particular(scene, &bodies, &matrices);
+    let particular = particular(scene, &bodies, (&matrices, &turning));
     let largest_diagonal = add_springs(&data, &springs, &mut bodies, &held, &mut matrices.different);
     let supports = Supports { space: &space, held: &held };
     let mut values = supports.values();
