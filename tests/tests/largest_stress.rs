@@ -39,6 +39,28 @@ fn closed_forms_are_inside_their_bars() {
     }
 }
 
+/// At a corner of a side with stiff springs, or so near to it that elements do not show it, it is in doubt.
+#[test]
+fn corners_of_springs_are_in_doubt() {
+    let at = |tolerance: &str| {
+        let text = format!(
+            "body = {{ corners = [[-2, -2], [2, -2], [2, 2], [-2, 2]], sides = [\"bottom\", \"right\", \"top\", \"left\"] }}\n\
+             material = {{ young = 1635, poisson = 0.155 }}\nsides.bottom.springs = [2.65e5, 4.719e5]\n\
+             sides.top.traction = [\"-0.11 + 0.3*x\", \"-1.86 + 0.5*x\"]\nmethod.tolerance = {tolerance}\n\
+             quantities.m = {{ moment = \"bottom\", about = [0, 0] }}\n"
+        );
+        summary(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+    };
+    let (exact, _, _) = largest(&at("1e-7"));
+    for tolerance in ["3e-2", "3e-3", "1e-3", "1e-6"] {
+        let own = at(tolerance);
+        let (value, bar, place) = largest(&own);
+        println!("{tolerance}: {value} ± {bar:.1e} for {exact}, at {place:?}");
+        assert!((value - exact).abs() <= 2.0 * bar, "{value} ± {bar} for {exact}, at {place:?}");
+        assert!(!own.quantities["max_von_mises"].doubts.is_empty(), "{tolerance}");
+    }
+}
+
 /// Below contact it is larger than anywhere on the boundary: no point of a lattice is above it, and one is near.
 #[test]
 fn the_largest_stress_below_contact_is_no_less_than_at_any_point() {

@@ -23,6 +23,9 @@ const SMALL: f64 = 100.0;
 /// How much larger the uncertainty is at corners.
 pub(super) const OF_CORNER: f64 = 3.0;
 
+/// Distances below this part of the diameter are at a corner of a side with springs.
+const OF_LAYER: f64 = 1e-3;
+
 /// What a result tells with the doubts of all of it.
 #[derive(Clone, Copy)]
 pub(crate) struct Told<'a> {
@@ -250,11 +253,11 @@ fn is_corner(scene: &Scene, x: [f64; 2]) -> bool {
     edges[edge].side != edges[other].side || !is_straight
 }
 
-/// Whether a point is a corner of a side with springs: stiff ones make a layer there that is as steep as beside a support.
+/// Whether a point is at a corner of a side with springs: stiff ones make a layer there that is as steep as beside a support.
 fn is_end_of_springs(scene: &Scene, x: [f64; 2]) -> bool {
     let sprung = scene.problem.outline.edges().iter().filter(|edge| scene.problem.sides[edge.side].springs.is_some());
-    let mut ends = sprung.flat_map(|edge| [edge.start, edge.end]);
-    is_corner(scene, x) && ends.any(|end| distance(end, x) <= SAME_PLACE * scene.problem.outline.diameter())
+    let mut ends = sprung.flat_map(|edge| [edge.start, edge.end]).filter(|&end| is_corner(scene, end));
+    ends.any(|end| distance(end, x) <= OF_LAYER * scene.problem.outline.diameter())
 }
 
 /// Whether the node of contact that is nearest to a point touches.

@@ -136,9 +136,7 @@ impl OnMesh<'_> {
     ) -> Result<(Vec<RigidMotion>, Loose), SolveError> {
         let supports = Supports { space: self.space, held };
         if self.scene.problem.has_several_bodies() {
-            if bodies.iter().any(|body| !body.turning.is_empty()) {
-                self.turn_with_bodies(bodies, given)?;
-            }
+            self.turn_with_bodies(bodies, given)?;
             let loose = self.loose_motions(bodies, joints, (&supports, springs), given, tied)?;
             if bodies.iter().any(|body| !body.turning.is_empty()) {
                 project_load_off(&mut given.load, &loose.motions);
