@@ -163,8 +163,8 @@ def test_many_solutions_take_no_more_memory():
             steklov.solve(BLOCK, parameters__p=1 + k / 100)
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
-    before = grown(50)
-    assert grown(200) - before < 8 * 1024
+    before = grown(30)
+    assert grown(90) - before < 4 * 1024
 
 
 @pytest.mark.parametrize("name", ["python.md", "python-example.md"])

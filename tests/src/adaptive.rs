@@ -35,7 +35,7 @@ pub fn judged() -> [Judged; 6] {
     .map(|(name, file, change, energy)| {
         let mut scene = scene(file, change.as_slice());
         (scene.method.tolerance, scene.method.cuts) = (Some(1e-6), Cutting::None);
-        scene.method.max_dofs = Some(1400);
+        scene.method.max_dofs = Some(1500);
         Judged { name, scene, energy }
     })
 }

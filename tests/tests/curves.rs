@@ -172,7 +172,7 @@ fn a_true_cylinder_tends_to_hertz() {
 fn a_true_cylinder_slips_as_cattaneo_and_mindlin_say() {
     // an incompressible half cylinder held along its flat side, pressed and pushed at once
     let mut last = f64::INFINITY;
-    for press in [2.5e-3, 6.25e-4, 1.5625e-4] {
+    for press in [2.5e-3, 1.5625e-4] {
         let told = summary(&parse(&format!(
             "[body]\ncorners = [[-1, 0], [1, 0]]\nsides = [\"arc\", \"top\"]\narcs = {{ arc = {{ centre = [0, 0] }} }}\n\
              [material]\nyoung = 1.0\npoisson = 0.49999\n[sides.top]\ndisplacement = [\"{:?}\", \"{:?}\"]\n\
@@ -218,7 +218,7 @@ fn curved_sides_that_are_held_under_body_forces_have_the_energy_that_is_told() {
                  [method]\ntolerance = {tolerance}\n"
             )))
         };
-        let [exact, coarse, fine] = ["1e-7", "1e-3", "1e-5"].map(told);
+        let [exact, coarse, fine] = ["1e-6", "1e-3", "1e-4"].map(told);
         for told in [coarse, fine] {
             let error = (told.energy_extrapolated.unwrap() - exact.energy_extrapolated.unwrap()).abs();
             let bar = told.energy_uncertainty.unwrap();

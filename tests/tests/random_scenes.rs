@@ -26,7 +26,7 @@ const HALF: f64 = 0.5;
 /// And less than so many times it.
 const MOST: f64 = 4.0;
 /// Unknowns of the meshes that true errors are measured with, at most.
-const REFERENCE_DOFS: usize = 1300;
+const REFERENCE_DOFS: usize = 1000;
 
 /// What came of a scene.
 struct Outcome {

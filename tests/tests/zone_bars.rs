@@ -88,3 +88,42 @@ fn numbers_beside_a_free_corner_with_friction_are_in_doubt() {
         );
     }
 }
+
+/// A soft ring in a stiff one that is nearly as wide, with Tresca's friction: the fit of one end of contact stands still from step to step, beyond
+/// the nodes between which contact ends.
+#[test]
+fn ends_that_fits_see_beyond_their_nodes_are_inside_their_bars() {
+    let at = |tolerance: &str| {
+        summary(
+            &parse(
+                &format!(
+                    "[[body]]\nname = \"outer\"\ncircle = {{ centre = [0, 0], radius = 3 }}\nside = \"out\"\n\
+                     material = {{ young = 17.7, poisson = 0.06 }}\n[[body.holes]]\n\
+                     circle = {{ centre = [0, 0], radius = 2 }}\nside = \"in\"\n\
+                     [[body]]\nname = \"inner\"\ncircle = {{ centre = [0, 0], radius = 2 }}\nside = \"out\"\n\
+                     material = {{ young = 0.5, poisson = 0.06 }}\n[[body.holes]]\n\
+                     circle = {{ centre = [0.05, -0.244], radius = 1.198 }}\nside = \"in\"\n\
+                     [[interface]]\nbetween = [\"inner.out\", \"outer.in\"]\n\
+                     contact = {{ gap = -0.01, friction = {{ tresca = \"0.1\" }} }}\n\
+                     [sides]\nouter.out.displacement = [0, 0]\ninner.in.traction = [\"0.004*x\", \"0.1*y - 0.052\"]\n\
+                     [method]\ntolerance = {tolerance}\n"
+                ),
+                &[],
+            )
+            .unwrap_or_else(|e| panic!("{}", e.render())),
+        )
+    };
+    let known = at("1e-5");
+    for tolerance in ["1e-3", "1e-4"] {
+        let own = at(tolerance);
+        for end in 0..4 {
+            let of = ["x", "y"].map(|i| format!("contact.ends.{end}.{i}"));
+            let of = of.map(|path| (own.quantities[&path].clone(), known.quantities[&path].value));
+            for (Quantity { value, uncertainty, .. }, exact) in of {
+                let error = (value - exact).abs();
+                println!("{tolerance}, end {end}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+                assert!(error <= 2.0 * uncertainty, "end {end} at {tolerance}: {error:e}, {uncertainty:e}");
+            }
+        }
+    }
+}

@@ -218,7 +218,7 @@ fn wrong_entries_are_noticed(place: &Place) {
 }
 
 /// The exit status of `docs/check_result.py` for each file, and what it says.
-fn checked(place: &Place, files: &[String]) -> Vec<(i32, String)> {
+pub fn checked(place: &Place, files: &[String]) -> Vec<(i32, String)> {
     let arguments: Vec<&str> = std::iter::once(CHECK_RESULT).chain(files.iter().map(String::as_str)).collect();
     let all = format!("\n{}", place.python(&script("check_many.py"), &arguments).demand(0).out);
     let of = |(part, file): (&str, &String)| {

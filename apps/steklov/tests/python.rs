@@ -1,6 +1,7 @@
 //! Other programs read the command's result: h5py every path of the file, VTK the body.
 
-use crate::place::{CHECK_RESULT, Place};
+use crate::check_result::checked;
+use crate::place::Place;
 
 /// Runs a script of `tests/python`, which must succeed.
 fn python(script: &str, place: &Place, arguments: &[&str]) {
@@ -8,12 +9,26 @@ fn python(script: &str, place: &Place, arguments: &[&str]) {
     place.python(&script, arguments).demand(0);
 }
 
-/// Runs `docs/check_result.py`, which must find that all of these hold, by the first words of its lines.
-fn check_result(place: &Place, file: &str, wanted: &[&str]) {
-    let said = place.python(CHECK_RESULT, &[file]).demand(0).out;
-    for what in wanted {
-        assert!(said.lines().any(|line| line.starts_with(what)), "{what} is not checked:\n{said}");
+/// Runs `docs/check_result.py`, which must find of each file that all of these hold, by the first words of its lines.
+fn check_results(place: &Place, files: &[String], wanted: &[&[&str]]) {
+    for ((file, (status, said)), wanted) in files.iter().zip(checked(place, files)).zip(wanted) {
+        assert_eq!(status, 0, "{file}:\n{said}");
+        for what in *wanted {
+            assert!(said.lines().any(|line| line.starts_with(what)), "{file}: {what} is not checked:\n{said}");
+        }
     }
+}
+
+/// Solves scenes of the gallery, each with some arguments of its own and some of all, and checks their results.
+fn results_hold(scenes: &[(&str, &[&str], &[&str])], of_all: &[&str]) {
+    let place = Place::new();
+    let files: Vec<String> = (0..scenes.len()).map(|k| format!("{k}.vtkhdf")).collect();
+    for ((name, own, _), file) in scenes.iter().zip(&files) {
+        let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        place.run([&["solve", &scene, "--quiet", "--out", file], of_all, own].concat());
+    }
+    let wanted: Vec<&[&str]> = scenes.iter().map(|(.., wanted)| *wanted).collect();
+    check_results(&place, &files, &wanted);
 }
 
 /// The block on the floor, stored with its matrices after two steps, and what the command said of it.
@@ -45,7 +60,7 @@ fn h5py_reads_every_path_of_the_file() {
 #[test]
 fn matrices_of_a_body_make_its_steklov_poincare_matrix() {
     let place = block_on_floor();
-    check_result(&place, "block.vtkhdf", &["V  ", "W  ", "(M/2 + K)", "S  ", "strain energy"]);
+    check_results(&place, &["block.vtkhdf".to_owned()], &[&["V  ", "W  ", "(M/2 + K)", "S  ", "strain energy"]]);
     python("stiffness_of_block.py", &place, &["block.vtkhdf"]);
 }
 
@@ -69,37 +84,18 @@ fn h5py_reads_the_outcomes_of_random_input() {
 
 #[test]
 fn h5py_reads_contact_problems_that_their_solutions_solve() {
-    for name in ["block-on-floor", "25-coulomb-wedge", "60-two-cylinders", "37-block-of-random-cells"] {
-        let place = Place::new();
-        let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-        place.run([
-            "solve",
-            &scene,
-            "--quiet",
-            "--set",
-            "method.max_steps=3",
-            "--save",
-            "contact",
-            "--out",
-            "it.vtkhdf",
-        ]);
-        check_result(&place, "it.vtkhdf", &["contact problem", "contact  "]);
-    }
+    let names = ["block-on-floor", "25-coulomb-wedge", "60-two-cylinders", "37-block-of-random-cells"];
+    let scenes = names.map(|name| (name, &[][..], &["contact problem", "contact  "][..]));
+    results_hold(&scenes, &["--set", "method.max_steps=3", "--save", "contact"]);
 }
 
 #[test]
 fn h5py_reads_stabilised_multipliers_that_obey_their_equations() {
-    let forms = ["--set", "method.multiplier=\"stabilised\"", "--set", "method.max_steps=3"];
+    let forms = ["--set", "method.multiplier=\"stabilised\"", "--set", "method.max_steps=3", "--save", "stabilisation"];
     let weight = ["--set", "body_force.value=[\"0.1\", \"-0.3\"]"];
     let scenes: [(&str, &[&str]); 4] =
         [("17-wedge-gap", &[]), ("25-coulomb-wedge", &[]), ("57-hertz-cylinder", &[]), ("15-block-on-floor", &weight)];
-    for (name, more) in scenes {
-        let place = Place::new();
-        let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-        let save = ["--quiet", "--save", "stabilisation", "--out", "it.vtkhdf"];
-        place.run([&["solve", &scene], &forms[..], more, &save[..]].concat());
-        check_result(&place, "it.vtkhdf", &["stabilisation", "stabilised contact"]);
-    }
+    results_hold(&scenes.map(|(name, more)| (name, more, &["stabilisation", "stabilised contact"][..])), &forms);
 }
 
 #[test]
@@ -109,19 +105,24 @@ fn h5py_rebuilds_coarse_stiffness_from_multiscale_bases() {
     let checkerboard = bases.map(|basis| (basis, "35-checkerboard", 1, ""));
     let adapted = ["linear", "oscillatory"].map(|basis| (basis, "38-l-shape-of-random-cells", 4, "hanging"));
     let others = [("oscillatory", "34-laminate", 1, ""), ("coupled", "42-stiff-inclusion-of-random-cells", 1, "")];
-    for (basis, name, steps, hanging) in checkerboard.into_iter().chain(adapted).chain(others) {
-        let place = Place::new();
+    let place = Place::new();
+    let (mut files, mut arguments) = (Vec::new(), Vec::new());
+    for (k, (basis, name, steps, hanging)) in checkerboard.into_iter().chain(adapted).chain(others).enumerate() {
+        let file = format!("{k}.vtkhdf");
         let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         let sets = [
             of("grid.basis", &format!("\"{basis}\"")),
             of("grid.fine", "[4, 4]"),
             of("method.max_steps", &steps.to_string()),
         ];
-        let save = ["solve", &scene, "--quiet", "--save", "matrices,basis", "--out", "it.vtkhdf"].map(str::to_owned);
+        let save = ["solve", &scene, "--quiet", "--save", "matrices,basis", "--out", &file].map(str::to_owned);
         place.run(save.into_iter().chain(sets.into_iter().flatten()));
-        check_result(&place, "it.vtkhdf", &["basis", "equilibrium"]);
-        python("rigid_motions_of_basis.py", &place, &["it.vtkhdf", hanging]);
+        arguments.extend([file.clone(), hanging.to_owned()]);
+        files.push(file);
     }
+    check_results(&place, &files, &vec![&["basis", "equilibrium"][..]; files.len()]);
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    python("rigid_motions_of_basis.py", &place, &arguments);
 }
 
 /// A run that is stopped after two steps and goes on has what an uninterrupted one has.
@@ -169,12 +170,8 @@ fn h5py_rebuilds_stochastic_masses_and_moments_from_outcomes() {
         ("31-random-load-and-modulus", &[], &modulus),
         ("31-random-load-and-modulus", &["stochastic.method=\"sparse\"", "stochastic.level=2"], &["outcomes"]),
     ];
-    for (name, sets, expected) in scenes {
-        let place = Place::new();
-        let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-        let sets = sets.iter().flat_map(|set| ["--set", set]);
-        let save = ["--quiet", "--save", "stochastic", "--out", "it.vtkhdf", "--set", "method.tolerance=5e-2"];
-        place.run(["solve", &scene].into_iter().chain(save).chain(sets));
-        check_result(&place, "it.vtkhdf", expected);
-    }
+    let scenes = scenes
+        .map(|(name, sets, wanted)| (name, sets.iter().flat_map(|set| ["--set", set]).collect::<Vec<&str>>(), wanted));
+    let scenes: Vec<_> = scenes.iter().map(|(name, sets, wanted)| (*name, &sets[..], *wanted)).collect();
+    results_hold(&scenes, &["--save", "stochastic", "--set", "method.tolerance=5e-2"]);
 }

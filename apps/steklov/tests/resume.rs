@@ -201,7 +201,7 @@ fn steps_that_are_not_the_scenes_are_refused() {
 fn a_resumed_run_that_is_stopped_at_once_leaves_the_file() {
     let place = Place::new();
     // a step that takes seconds
-    let large = ["--set", "method.elements=1401"];
+    let large = ["--set", "method.elements=901"];
     let whole = place.json(0, &[&["block.toml"], &large[..]].concat());
     let before = place.read("block.vtkhdf");
     for json in [true, false] {

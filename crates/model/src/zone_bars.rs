@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! an end of a zone     1.2 max(|δ_k|, |δ_{k-1}| E_k/E_{k-1}) + 0.3 |δ_k|          δ_k its shift from its vertex at step k, E the estimate
+//!                      1.5 times the way from the nodes between which contact ends to the fit, where that is more
 //! a length             Σ over its ends, and to the next node of corners that contact may or may not reach
 //! on a grid            Σ over its ends of the distance of the nodes about them
 //! ```
@@ -12,12 +13,12 @@
 
 use steklov_bem_operators::Edge;
 use steklov_contact::{Located, TipKind};
-use steklov_elastic::plane::distance;
+use steklov_elastic::plane::{distance, norm};
 use steklov_problem::{Friction, Scene};
 
 use crate::answer::report::{sticks, zones};
 use crate::bars::{OF_CHANGE, OF_DIFFERENCE, ROUNDED};
-use crate::contact_length::{is_symmetric, unknown_at_corners};
+use crate::contact_length::{is_extractable, is_symmetric, unknown_at_corners};
 use crate::refine::transitions::zone;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, TOUCHING, Trace};
@@ -50,6 +51,35 @@ pub(crate) fn off_by_fits(scene: &Scene, steps: &[&[Located]], fallen: f64) -> O
     };
     let same = before.iter().all(|step| step.len() == last.len());
     (same && last.iter().all(|end| end.at_vertex)).then(|| last.iter().map(of).collect())?
+}
+
+/// The same where fits of ends of contact lie beyond the nodes between which contact ends: fit and nodes tell two ends, whatever the step before
+/// had. Ends that are extracted are better known than by nodes.
+pub(crate) fn off_beyond_nodes(
+    scene: &Scene,
+    trace: Trace<'_>,
+    (contact, rows): (&ContactResult, &[ContactRow]),
+    (located, off): (&[Located], &[f64]),
+) -> Vec<f64> {
+    let edges = scene.problem.outline.edges();
+    let lines = contact.boundary.lines(trace.mesh, trace.space);
+    let beyond = |end: &Located| {
+        let of_edge = lines.iter().filter(|line| line.edge == end.edge);
+        let pairs = of_edge.flat_map(|line| line.points.windows(2)).filter(|pair| {
+            let [a, b] = [0, 1].map(|k: usize| rows[pair[k].index].pressure > 0.0);
+            a != b
+        });
+        let ways = pairs.map(|pair| (pair[0].s - end.s).max(end.s - pair[1].s).max(0.0));
+        ways.min_by(f64::total_cmp).unwrap_or(0.0)
+    };
+    let of = |(end, &off): (&Located, &f64)| {
+        let edge = &edges[end.edge];
+        if end.kind != TipKind::ContactEnd || is_extractable(scene, edge) {
+            return off;
+        }
+        off.max((OF_DIFFERENCE + OF_CHANGE) * beyond(end) * norm(edge.derivative(end.s)))
+    };
+    located.iter().zip(off).map(of).collect()
 }
 
 /// What the lengths of zones need of a solution.
