@@ -127,3 +127,16 @@ fn ends_that_fits_see_beyond_their_nodes_are_inside_their_bars() {
         }
     }
 }
+
+/// A crack that is open beside one tip, where the first meshes have no node: contact reaches the tip with a pressure that falls towards it.
+#[test]
+fn contact_that_may_end_before_a_tip_is_inside_its_bar() {
+    for steps in 1..=5 {
+        let told = solved("crack-that-closes", &[&format!("method.max_steps={steps}")]);
+        let Quantity { value, uncertainty, doubts, .. } = &told.quantities["contact.length"];
+        let error = (value - 0.76327).abs();
+        println!("{steps} steps: {value} ± {uncertainty:.1e}, off by {error:.1e} {doubts:?}");
+        // the bracket of another code is 3e-4 wide
+        assert!(error <= 2.0 * uncertainty + 3e-4, "{steps} steps: {error:e} of {uncertainty:e}");
+    }
+}

@@ -46,8 +46,8 @@ fn told(o: &Value, path: &str) -> (f64, f64, bool) {
 fn rare_contact_is_resolved_or_told() {
     let place = Place::new();
     let (mut worst, mut runs) = (0.0f64, 0);
-    for (germs, corners) in [(1, [0.4, 0.08, 0.002]), (2, [1.26, 0.283, 0.0894]), (3, [2.1345, 1.243, 0.363])] {
-        for t in corners {
+    for (germs, corners) in [(1, &[0.4, 0.08, 0.002][..]), (2, &[1.26, 0.283, 0.0894]), (3, &[2.1345, 0.363])] {
+        for &t in corners {
             let (gap, [probability, exact]) = corner(germs, t);
             for (name, method) in [
                 ("auto", ""),

@@ -100,9 +100,7 @@ pub(crate) fn unknown_at_corners(scene: &Scene, rows: &[ContactRow]) -> Vec<(usi
         let largest = beside.fold(0.0, |largest: f64, row| largest.max(row.pressure));
         let (beyond, is_straight) = beyond_end(outline, k, end > 0.5);
         let beyond = outline.edges()[beyond].side;
-        // behind the tip of a crack the bodies are tied
-        let is_tied = scene.problem.joint(beyond).is_some_and(|own| matches!(own.law, Law::Tied(_)));
-        let goes_on = is_straight && (beyond == edge.side || is_tied);
+        let goes_on = is_straight && (beyond == edge.side || is_tied(scene, beyond));
         // shear at a free corner makes the pressure infinite there, of either sign
         let smooth = || matches!(contact.friction, Friction::None) || is_symmetric(scene, k, end);
         let flat = || smooth() && is_flat(edge, contact, end) && is_parallel(scene, k, end);
@@ -115,6 +113,29 @@ pub(crate) fn unknown_at_corners(scene: &Scene, rows: &[ContactRow]) -> Vec<(usi
     let touching = edges.filter_map(|(k, edge)| Some((k, edge, scene.contact(edge.side)?)));
     let ends = touching.flat_map(|own| [(own, 0.0), (own, 1.0)]);
     ends.filter(|&(own, end)| !is_known(own, end)).map(|((edge, ..), end)| (edge, end)).collect()
+}
+
+/// Whether a side is tied to another body, as the sides behind the tip of a crack are.
+fn is_tied(scene: &Scene, side: usize) -> bool {
+    scene.problem.joint(side).is_some_and(|own| matches!(own.law, Law::Tied(_)))
+}
+
+/// The edges, and their ends 0 or 1 at a tip of a crack, that contact reaches with a pressure that falls towards the tip: it may end before the tip
+/// where no node is.
+pub(crate) fn unsure_at_tips(scene: &Scene, rows: &[ContactRow]) -> Vec<(usize, f64)> {
+    let outline = &scene.problem.outline;
+    let falls = |(k, edge): (usize, &Edge), end: f64| {
+        let (beyond, is_straight) = beyond_end(outline, k, end > 0.5);
+        let far = |row: &ContactRow| distance(row.point, edge.point(end));
+        let own = || rows.iter().filter(|row| row.side == edge.side);
+        let nearest = own().min_by(|a, b| far(a).total_cmp(&far(b))).map_or(0.0, |row| row.pressure);
+        let largest = own().fold(0.0, |largest: f64, row| largest.max(row.pressure));
+        let is_tip = is_straight && is_tied(scene, outline.edges()[beyond].side);
+        is_tip && nearest > 0.0 && nearest < PART_AT_CORNER * largest
+    };
+    let touching = outline.edges().iter().enumerate().filter(|(_, edge)| scene.contact(edge.side).is_some());
+    let ends = touching.flat_map(|own| [(own, 0.0), (own, 1.0)]);
+    ends.filter(|&(own, end)| falls(own, end)).map(|((edge, _), end)| (edge, end)).collect()
 }
 
 /// Whether a support at an end of an edge holds its tangent alone: the edge goes on as its mirror image.

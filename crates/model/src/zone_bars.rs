@@ -18,7 +18,7 @@ use steklov_problem::{Friction, Scene};
 
 use crate::answer::report::{sticks, zones};
 use crate::bars::{OF_CHANGE, OF_DIFFERENCE, ROUNDED};
-use crate::contact_length::{is_extractable, is_symmetric, unknown_at_corners};
+use crate::contact_length::{is_extractable, is_symmetric, unknown_at_corners, unsure_at_tips};
 use crate::refine::transitions::zone;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, TOUCHING, Trace};
@@ -124,7 +124,7 @@ impl Zones<'_> {
         [Some([length, bar(TipKind::ContactEnd)]), stick]
     }
 
-    /// The distances of the nodes next to the corners that contact may or may not reach.
+    /// The distances of the nodes next to the corners, and to the tips of cracks, that contact may or may not reach.
     fn off_at_corners(&self, rows: &[ContactRow]) -> f64 {
         let edges = self.scene.problem.outline.edges();
         let next = |(edge, end): (usize, f64)| {
@@ -134,7 +134,7 @@ impl Zones<'_> {
             all.sort_by(f64::total_cmp);
             all.get(1).copied().unwrap_or_else(|| edges[edge].length())
         };
-        unknown_at_corners(self.scene, rows).into_iter().map(next).sum()
+        unknown_at_corners(self.scene, rows).into_iter().chain(unsure_at_tips(self.scene, rows)).map(next).sum()
     }
 
     /// How far each of these ends of contact may be off, x and y; none of one that is not located.
