@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::atomic::AtomicUsize;
 
+use steklov_model::quantities::Quantity;
 use steklov_model::summary::Summary;
 use steklov_study::reference::Reference;
 use steklov_tests::{adapt, parse, summary};
@@ -163,4 +164,50 @@ fn ends_held_along_an_obstacle_are_not_inside_of_it() {
         let told = summary(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())));
         assert!(told.converged && told.energy.abs() < 1e-12, "{held}: {}", told.energy);
     }
+}
+
+/// A block with a curved floor that sticks to an obstacle whose gap is no polynomial: the mean displacement of the floor is that of the gap along
+/// its normal.
+#[test]
+fn sides_that_stick_to_obstacles_are_off_by_what_polynomials_leave_of_gaps() {
+    for tolerance in ["1e-1", "1e-2", "3e-3", "1e-3"] {
+        let told = summary(
+            &parse(
+                &format!(
+                    "[material]\nyoung = 100\npoisson = 0.215\n\
+                     [body]\ncorners = [[-0.643, 0], [0.643, 0], [0.643, 1.841], [-0.643, 1.841]]\n\
+                     sides = [\"floor\", \"right\", \"top\", \"left\"]\narcs = {{ floor = {{ through = [0, -0.235981] }} }}\n\
+                     [sides.floor.contact]\ngap = \"0.003*abs(x + 0.259)^3\"\nfriction = {{ coulomb = \"0.669\" }}\n\
+                     [sides.top]\ndisplacement = [\"-0.003\", \"-0.029*(1 + 0.157*x)\"]\n\
+                     [sides.right]\ntraction = [0.213, 0.293]\n\
+                     [quantities]\nmd = {{ mean_displacement = \"floor\" }}\n[method]\ntolerance = {tolerance}\n"
+                ),
+                &[],
+            )
+            .unwrap_or_else(|e| panic!("{}", e.render())),
+        );
+        let contact = told.contact.as_ref().expect("contact");
+        assert!((contact.stick / contact.length - 1.0).abs() < 1e-12, "all of it sticks: {contact:?}");
+        let exact = mean_of_gap(0.643, 0.235981, |x| 0.003 * (x + 0.259).abs().powi(3));
+        for (i, component) in ["x", "y"].iter().enumerate() {
+            let Quantity { value, uncertainty, .. } = &told.quantities[&format!("mean_displacement.md.{component}")];
+            let error = (value - exact[i]).abs();
+            println!("{tolerance} {component}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+            assert!(error <= 1.5 * uncertainty, "{component} at {tolerance}: {error:e} of {uncertainty:e}");
+        }
+    }
+}
+
+/// The mean of g n over the arc below the x axis from -a to a of height h, n out of the body: midpoint rule.
+fn mean_of_gap(a: f64, h: f64, gap: impl Fn(f64) -> f64) -> [f64; 2] {
+    let radius = (a * a + h * h) / (2.0 * h);
+    let half = (a / radius).asin();
+    let count = 20_000;
+    let mut mean = [0.0; 2];
+    for k in 0..count {
+        let (sin, cos) = (half * ((2 * k + 1) as f64 / f64::from(count) - 1.0)).sin_cos();
+        let g = gap(radius * sin) / f64::from(count);
+        mean = [mean[0] + g * sin, mean[1] - g * cos];
+    }
+    mean
 }

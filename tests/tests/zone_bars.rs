@@ -140,3 +140,35 @@ fn contact_that_may_end_before_a_tip_is_inside_its_bar() {
         assert!(error <= 2.0 * uncertainty + 3e-4, "{steps} steps: {error:e} of {uncertainty:e}");
     }
 }
+
+/// A hole that is pressed on a curved floor with Coulomb's friction: where the mesh about the ends of contact and stick stays as it is, their fits
+/// stay as far off as nodes and exponents make them.
+#[test]
+fn ends_with_friction_are_no_nearer_than_their_nodes_tell() {
+    let at = |tolerance: &str| {
+        summary(
+            &parse(
+                &format!(
+                    "[body]\ncorners = [[-1, -1.212], [1, -1.212], [1, 1.212], [-1, 1.212]]\n\
+                     sides = [\"floor\", \"right\", \"roof\", \"left\"]\n\
+                     [exterior]\nyoung = 38.04\npoisson = 0.393\nremote_stress = [-0.778, -1.005, 0]\n\
+                     [sides.floor]\ncontact = {{ gap = \"0.0482*x^2 - 0.01888\", friction = {{ coulomb = \"0.3\" }} }}\n\
+                     [sides.roof]\ndisplacement = [0, 0]\n[method]\ntolerance = {tolerance}\n"
+                ),
+                &[],
+            )
+            .unwrap_or_else(|e| panic!("{}", e.render())),
+        )
+    };
+    // finer meshes about the ends have 1.49144 and 0.53930
+    for (tolerance, path, exact, digits) in [
+        ("1e-3", "contact.stick", 0.53930, 1e-5),
+        ("1e-3", "contact.length", 1.49144, 1e-5),
+        ("3e-4", "contact.length", 1.49144, 1e-5),
+    ] {
+        let Quantity { value, uncertainty, .. } = &at(tolerance).quantities[path];
+        let error = (value - exact).abs();
+        println!("{tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+        assert!(error <= 2.0 * uncertainty + digits, "{path} at {tolerance}: {error:e}, {uncertainty:e}");
+    }
+}

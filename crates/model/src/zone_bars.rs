@@ -3,16 +3,18 @@
 //! ```text
 //! an end of a zone     1.2 max(|δ_k|, |δ_{k-1}| E_k/E_{k-1}) + 0.3 |δ_k|          δ_k its shift from its vertex at step k, E the estimate
 //!                      1.5 times the way from the nodes between which contact ends to the fit, where that is more
+//!                      μ β h under Coulomb's law, where that is more        β Dundurs' second parameter, h the distance of the nodes beside it
 //! a length             Σ over its ends, and to the next node of corners that contact may or may not reach
 //! on a grid            Σ over its ends of the distance of the nodes about them
 //! ```
 //! Vertices follow the fits, so that δ_k is the change of the end since the step before. Under Coulomb's law, where the fit does not know the
 //! exponents of gap and slip, small shifts do not fall with the estimate: up to 4e-3 of the distance to the next end those of the two steps
-//! before count whole. A zone of stick that reaches an end of contact, a
+//! before count whole, and where the mesh about an end stays as it is the fit stays as far off as the exponent differs from ½: atan(μβ)/π, Comninou
+//! (1977). A zone of stick that reaches an end of contact, a
 //! corner or a reversal of slip has no bar: the slip between them is narrower than what nodes see.
 
-use steklov_bem_operators::Edge;
-use steklov_contact::{Located, TipKind};
+use steklov_bem_operators::{Edge, SAME_PLACE};
+use steklov_contact::{LinePoint, Located, TipKind};
 use steklov_elastic::plane::{distance, norm};
 use steklov_problem::{Friction, Scene};
 
@@ -53,9 +55,10 @@ pub(crate) fn off_by_fits(scene: &Scene, steps: &[&[Located]], fallen: f64) -> O
     (same && last.iter().all(|end| end.at_vertex)).then(|| last.iter().map(of).collect())?
 }
 
-/// The same where fits of ends of contact lie beyond the nodes between which contact ends: fit and nodes tell two ends, whatever the step before
-/// had. Ends that are extracted are better known than by nodes.
-pub(crate) fn off_beyond_nodes(
+/// The same where nodes tell more: fits of ends of contact that lie beyond the nodes between which contact ends stand still and are wrong, and
+/// under Coulomb's law a fit is as far off as its nodes are apart, times the mismatch of the materials and μ. Ends that are extracted are better
+/// known than by nodes.
+pub(crate) fn off_by_nodes(
     scene: &Scene,
     trace: Trace<'_>,
     (contact, rows): (&ContactResult, &[ContactRow]),
@@ -63,21 +66,39 @@ pub(crate) fn off_beyond_nodes(
 ) -> Vec<f64> {
     let edges = scene.problem.outline.edges();
     let lines = contact.boundary.lines(trace.mesh, trace.space);
+    // pairs of neighbouring nodes on an edge
+    let pairs =
+        |edge: usize| lines.iter().filter(move |line| line.edge == edge).flat_map(|line| line.points.windows(2));
     let beyond = |end: &Located| {
-        let of_edge = lines.iter().filter(|line| line.edge == end.edge);
-        let pairs = of_edge.flat_map(|line| line.points.windows(2)).filter(|pair| {
+        let is_end = |pair: &&[LinePoint]| {
             let [a, b] = [0, 1].map(|k: usize| rows[pair[k].index].pressure > 0.0);
             a != b
-        });
-        let ways = pairs.map(|pair| (pair[0].s - end.s).max(end.s - pair[1].s).max(0.0));
+        };
+        let ways = pairs(end.edge).filter(is_end).map(|pair| (pair[0].s - end.s).max(end.s - pair[1].s).max(0.0));
         ways.min_by(f64::total_cmp).unwrap_or(0.0)
+    };
+    let apart = |end: &Located| {
+        // a fit is beside its vertex, if not at it
+        let near = end.off.abs() + SAME_PLACE;
+        let beside = pairs(end.edge).filter(|pair| pair[0].s <= end.s + near && pair[1].s >= end.s - near);
+        beside.map(|pair| pair[1].s - pair[0].s).fold(0.0, f64::max)
+    };
+    let coefficient = |side: usize| {
+        let pressed = rows.iter().filter(|row| row.side == side && row.pressure > 0.0);
+        pressed.map(|row| row.bound / row.pressure).fold(0.0, f64::max)
     };
     let of = |(end, &off): (&Located, &f64)| {
         let edge = &edges[end.edge];
-        if end.kind != TipKind::ContactEnd || is_extractable(scene, edge) {
-            return off;
-        }
-        off.max((OF_DIFFERENCE + OF_CHANGE) * beyond(end) * norm(edge.derivative(end.s)))
+        let speed = norm(edge.derivative(end.s));
+        let fitted = end.kind == TipKind::ContactEnd && !is_extractable(scene, edge);
+        let of_fit = if fitted { (OF_DIFFERENCE + OF_CHANGE) * beyond(end) * speed } else { 0.0 };
+        let is_coulomb = scene.contact(edge.side).is_some_and(|own| own.friction.coefficient().is_some());
+        let of_exponent = if is_coulomb && end.kind != TipKind::SlipReversal {
+            coefficient(edge.side) * scene.problem.dundurs_beta(end.edge) * apart(end) * speed
+        } else {
+            0.0
+        };
+        off.max(of_fit).max(of_exponent)
     };
     located.iter().zip(off).map(of).collect()
 }

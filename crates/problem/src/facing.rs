@@ -110,6 +110,27 @@ impl Problem {
         }
     }
 
+    /// Dundurs' second parameter of the bodies in contact along an edge, without its sign:
+    /// β = |G₂(κ₁-1) - G₁(κ₂-1)| / (G₂(κ₁+1) + G₁(κ₂+1)), beside a rigid obstacle (κ-1)/(κ+1).
+    ///
+    /// Source: Dundurs (1969), eq. (4).
+    pub fn dundurs_beta(&self, edge: usize) -> f64 {
+        let side = self.outline.edges()[edge].side;
+        let of = |side: usize| {
+            let material = self.bodies[self.body_of_side(side)].material();
+            (material.mu(), material.kappa())
+        };
+        let (mu, kappa) = of(side);
+        match self.joint(side).and_then(|interface| self.facing_sides(interface).first()) {
+            Some(&other) => {
+                let (other_mu, other_kappa) = of(other);
+                let [difference, sum] = [-1.0, 1.0].map(|one| [other_mu * (kappa + one), mu * (other_kappa + one)]);
+                (difference[0] - difference[1]).abs() / (sum[0] + sum[1])
+            }
+            None => (kappa - 1.0) / (kappa + 1.0),
+        }
+    }
+
     /// Adds points of edges that belong together across interfaces to both: those of one side where the other one sees them,
     /// and the ends of the visible parts. A point close to one that is there already, or to a corner, counts as that one.
     pub fn share_points(&self, points: &mut [Vec<f64>]) {

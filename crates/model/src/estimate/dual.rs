@@ -116,10 +116,11 @@ impl Duals<'_> {
     ) -> f64 {
         let mut of_weights = 0.0;
         for &(e, t, by) in functional.traces.iter().filter(|(e, ..)| nonconformity.has(*e)) {
-            if !self.data.is_held(e) || by.traction != [0.0; 2] || by.stress != [0.0; 3] {
+            let is_of_one = self.data.is_held(e) || nonconformity.is_on_obstacle(e);
+            if !is_of_one || by.traction != [0.0; 2] || by.stress != [0.0; 3] {
                 return 0.0;
             }
-            of_weights += dot(by.displacement, self.data.off_support(plus.on_boundary(e, t).0, (e, t)));
+            of_weights += dot(by.displacement, self.data.off_side(nonconformity, plus.on_boundary(e, t).0, (e, t)));
         }
         let mesh = &self.body.mesh;
         let mut tractions: Vec<Option<Vec<f64>>> = vec![None; self.body.pieces.len()];

@@ -77,8 +77,8 @@ pub(crate) fn both(
         ends = data.contact_ends(tips, part, [&solved.elastic_field(), plus]);
     }
     both.extend(length_of_contact(scene, tips, &ends));
-    let nonconformity =
-        plus.map(|plus| data.nonconformity(&body.joints, plus, bubbles).and(data.nonconformity_of_supports(plus)));
+    let nonconformity = plus
+        .map(|plus| data.nonconformity(&body.joints, plus, bubbles).and(data.nonconformity_of_sides(plus, bubbles)));
     let left = plus.zip(nonconformity.as_ref().filter(|left| left.is_there()));
     // others still tell what frozen sets make of displacements that do not agree
     let with_duals = has_duals(scene, tips, &ends);

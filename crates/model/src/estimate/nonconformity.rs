@@ -1,12 +1,14 @@
-//! The nonconformity of displacements: of bodies that agree in the mean only, and of sides held at data that are no polynomials.
+//! The nonconformity of displacements: of bodies that agree in the mean only, and of sides held at data, or closed on obstacles, that are no
+//! polynomials.
 //!
 //! ```text
 //! w = [u] - g n, or [u] - j,        where an interface is closed, stuck or tied
 //! w = u - u_D                       where a side is held
+//! w = (u_n - g) n, and u_t t        where an obstacle is closed, and where the side sticks to it
 //! J of the energy                   ∫ λ·w,       λ the mean of the tractions of both sides of u: J is stationary together with -λ·w
 //! J of a number                     ∫ τ·w,       τ that of its dual solution z, from a(v, z) - ∫ τ·[v] = J(v) for all v, with a jump or not
 //! ```
-//! Where J weighs displacements of a held side, τ is the traction of z less that weight.
+//! Where J weighs displacements of a held or closed side, τ is the traction of z less that weight.
 //!
 //! τ is taken from the side that carries multipliers: that of a coarser side may be ten times as large beside a point.
 //!
@@ -60,6 +62,8 @@ pub(crate) struct Nonconformity {
     pub(crate) points: Vec<Left>,
     /// The carrying element of each cell, and its points.
     pub(crate) cells: Vec<(usize, Range<usize>)>,
+    /// Elements that are closed on an obstacle, and whether they stick.
+    on_obstacles: Vec<(usize, bool)>,
 }
 
 impl Nonconformity {
@@ -68,6 +72,7 @@ impl Nonconformity {
         let first = self.points.len();
         self.points.extend(other.points);
         self.cells.extend(other.cells.into_iter().map(|(e, points)| (e, first + points.start..first + points.end)));
+        self.on_obstacles.extend(other.on_obstacles);
         self
     }
 
@@ -100,6 +105,11 @@ impl Nonconformity {
     /// Whether w is not zero.
     pub(crate) fn is_there(&self) -> bool {
         self.points.iter().any(|left| left.along != [0.0; 2])
+    }
+
+    /// Whether an element is closed on an obstacle.
+    pub(crate) fn is_on_obstacle(&self, e: usize) -> bool {
+        self.on_obstacles.iter().any(|(own, _)| *own == e)
     }
 
     /// Whether an element carries multipliers of a cell.
@@ -161,25 +171,44 @@ impl OnMesh<'_> {
         points
     }
 
-    /// The nonconformity of a field on the sides that are held.
-    pub(crate) fn nonconformity_of_supports(&self, field: ElasticField<'_>) -> Nonconformity {
-        let mut found = Nonconformity::default();
+    /// The nonconformity of a field on the sides that are held and on closed elements of obstacles; `bubbles` are those of the contact elements.
+    pub(crate) fn nonconformity_of_sides(&self, field: ElasticField<'_>, bubbles: &[ContactBubble]) -> Nonconformity {
+        let on_obstacle = |bubble: &&ContactBubble| {
+            let is_obstacle = self.scene.problem.joint(self.mesh.side[bubble.element]).is_none();
+            is_obstacle && !bubble.free[0]
+        };
+        let closed = bubbles.iter().filter(on_obstacle).map(|bubble| (bubble.element, !bubble.free[1]));
+        let mut found = Nonconformity { on_obstacles: closed.collect(), ..Nonconformity::default() };
         let rule = gauss_legendre(POINTS);
-        for e in (0..self.mesh.len()).filter(|&e| self.is_held(e)) {
+        let elements: Vec<usize> =
+            (0..self.mesh.len()).filter(|&e| self.is_held(e) || found.is_on_obstacle(e)).collect();
+        for e in elements {
             let mut largest = f64::MIN_POSITIVE;
             let at = |(&t, &weight): (&f64, &f64)| {
                 let (own, _) = field.on_boundary(e, t);
                 largest = own.into_iter().fold(largest, |m, u| m.max(u.abs()));
-                let along = self.off_support(own, (e, t));
+                let along = self.off_side(&found, own, (e, t));
                 let ds = weight * self.mesh.speed(e, t);
                 Left { places: [(e, t); 2], ds, directions: [[1.0, 0.0], [0.0, 1.0]], along }
             };
+            let mut points: Vec<Left> = rule.points.iter().zip(&rule.weights).map(at).collect();
+            without_rounding(&mut points, largest);
             let first = found.points.len();
-            found.points.extend(rule.points.iter().zip(&rule.weights).map(at));
-            without_rounding(&mut found.points[first..], largest);
+            found.points.extend(points);
             found.cells.push((e, first..found.points.len()));
         }
         found
+    }
+
+    /// w of a displacement at a point of a side that is held or closed on an obstacle.
+    pub(crate) fn off_side(&self, left: &Nonconformity, u: [f64; 2], (e, t): (usize, f64)) -> [f64; 2] {
+        let held = self.off_support(u, (e, t));
+        let Some((_, sticks)) = left.on_obstacles.iter().find(|(own, _)| *own == e) else { return held };
+        let Some(contact) = self.scene.contact(self.mesh.side[e]) else { return held };
+        let gap = (self.gap(self.mesh.side[e], &contact.gap).value)(&Site::new(self.mesh, e, t));
+        let n = self.mesh.normal(e, t);
+        let along = [dot(u, n) - gap, if *sticks { dot(u, turned(n)) } else { 0.0 }];
+        [0, 1].map(|i| along[0] * n[i] + along[1] * turned(n)[i])
     }
 
     /// Whether the side of an element holds a component of the displacement.
@@ -189,7 +218,7 @@ impl OnMesh<'_> {
     }
 
     /// u - u_D of a displacement at a point of an element, in the components that its side holds, else zero.
-    pub(crate) fn off_support(&self, u: [f64; 2], (e, t): (usize, f64)) -> [f64; 2] {
+    fn off_support(&self, u: [f64; 2], (e, t): (usize, f64)) -> [f64; 2] {
         let Condition::Displacement { values, .. } = &self.scene.problem.sides[self.mesh.side[e]].condition else {
             return [0.0; 2];
         };

@@ -24,7 +24,7 @@ use crate::stochastic::{self, StochasticResult};
 use crate::summary::{
     Audit, ContactSummary, InterfaceSummary, MediumSummary, SecondsSummary, Summary, peak_memory_bytes,
 };
-use crate::zone_bars::{Zones, lengths_of_nodes, off_beyond_nodes, rubs};
+use crate::zone_bars::{Zones, lengths_of_nodes, off_by_nodes, rubs};
 
 impl Summary {
     /// The numbers of a run, with all outcomes of its random input if they were solved.
@@ -209,7 +209,7 @@ pub fn answer<M: Model>(
     // nothing says which end belongs to which of several interfaces
     let several = scene.problem.interfaces().len() > 1 && scene.problem.has_several_bodies();
     if let (Some(contact), Some(located), Some(off)) = (contact, report.located, &report.off) {
-        let off = &off_beyond_nodes(scene, report.trace, (contact, rows), (located, off));
+        let off = &off_by_nodes(scene, report.trace, (contact, rows), (located, off));
         let zones = Zones { scene, trace: report.trace, contact, rows, located, off, is_exact: exact };
         add_lengths(&mut quantities, zones, &doubts);
         let ends = contact_in_numbers.as_ref().and_then(|told| told.ends.as_deref()).filter(|_| !several);
