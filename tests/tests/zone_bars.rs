@@ -1,4 +1,5 @@
-//! Error bars of the lengths of contact, stick and slip whose ends are fitted, judged by solutions of smaller tolerances and other meshes.
+//! Error bars of the lengths of contact, stick and slip whose ends are fitted, and of what depends on where slip turns, judged by solutions of
+//! smaller tolerances and other meshes.
 
 use steklov_model::quantities::Quantity;
 use steklov_model::summary::Summary;
@@ -170,5 +171,51 @@ fn ends_with_friction_are_no_nearer_than_their_nodes_tell() {
         let error = (value - exact).abs();
         println!("{tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
         assert!(error <= 2.0 * uncertainty + digits, "{path} at {tolerance}: {error:e}, {uncertainty:e}");
+    }
+}
+
+/// A pin in a hole whose bore is displaced: with Tresca's friction, which acts on open sides too, slip turns at two places, one of them where
+/// elements are long. Forces and displacements have the friction between the place and the nodes.
+#[test]
+fn numbers_know_where_slip_turns_between_nodes() {
+    let at = |tolerance: &str| {
+        summary(
+            &parse(
+                &format!(
+                    "[[body]]\nname = \"pin\"\ncircle = {{ centre = [0, 0], radius = 0.469 }}\nside = \"rim\"\n\
+                     material = {{ young = 3000, poisson = 0.008 }}\n[[body.holes]]\n\
+                     circle = {{ centre = [0.038, 0.013], radius = 0.211 }}\nside = \"bore\"\n\
+                     [[body]]\nname = \"plate\"\ncorners = [[-3, -1.2], [1.5, -1.2], [1.5, 1.3], [-3, 1.3]]\n\
+                     sides = [\"bottom\", \"right\", \"top\", \"left\"]\nmaterial = {{ young = 1000, poisson = 0.261 }}\n\
+                     [[body.holes]]\ncircle = {{ centre = [0, 0], radius = 0.469 }}\nside = \"hole\"\n\
+                     [sides]\nplate.left.displacement = [0, 0]\npin.bore.displacement = [0.017, -0.003]\n\
+                     [[interface]]\nbetween = [\"pin.rim\", \"plate.hole\"]\n\
+                     contact = {{ gap = 0.002, friction = {{ tresca = \"0.139\" }} }}\n\
+                     [quantities]\nml = {{ moment = \"plate.left\", about = [0, 0] }}\n\
+                     mh = {{ mean_displacement = \"plate.hole\" }}\n\
+                     [probe]\npoints = [[-1.7, 0.35], [1.5, 0.2]]\n[method]\ntolerance = {tolerance}\n"
+                ),
+                &[],
+            )
+            .unwrap_or_else(|e| panic!("{}", e.render())),
+        )
+    };
+    let known = at("1e-5");
+    for tolerance in ["3e-2", "1e-2", "3e-3", "1e-3"] {
+        let own = at(tolerance);
+        for path in [
+            "contact.force.x",
+            "contact.force.y",
+            "reactions.plate.left.y",
+            "moment.ml",
+            "mean_displacement.mh.y",
+            "probe.0.displacement.y",
+            "probe.1.displacement.y",
+        ] {
+            let Quantity { value, uncertainty, .. } = &own.quantities[path];
+            let error = (value - known.quantities[path].value).abs();
+            println!("{tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+            assert!(error <= 2.0 * uncertainty, "{path} at {tolerance}: {error:e} of {uncertainty:e}");
+        }
     }
 }

@@ -26,6 +26,7 @@ use crate::estimate::contact_ends::ContactEnd;
 use crate::estimate::enriched_problem::System;
 use crate::estimate::functionals::{LinearFunctional, OfEnergy};
 use crate::estimate::nonconformity::{Left, Nonconformity};
+use crate::estimate::slip_reversals::SlipReversal;
 use crate::solve::body::Body;
 use crate::solve::fields::ElasticField;
 use crate::solve::rotations::{orthonormal, project_off_basis};
@@ -77,6 +78,19 @@ struct Dual {
     tops: Vec<(usize, Vec<f64>)>,
 }
 
+/// What u₊ leaves over.
+#[derive(Clone, Copy)]
+pub(crate) struct LeftOver<'a> {
+    /// What it leaves of the load on the nodes.
+    pub(crate) rest: &'a [f64],
+    /// β on the bubbles.
+    pub(crate) missed: &'a [f64],
+    /// Where displacements do not agree, and the field of u₊.
+    pub(crate) nonconformity: Option<(ElasticField<'a>, &'a Nonconformity)>,
+    /// Where slip turns between nodes.
+    pub(crate) reversals: &'a [SlipReversal],
+}
+
 /// What the dual solution of a functional tells.
 pub(crate) struct Weighted {
     /// Σ |η_e|.
@@ -88,22 +102,25 @@ pub(crate) struct Weighted {
 }
 
 impl Duals<'_> {
-    /// Σ |η_e| of a functional, its value of the `rest` of the load that u₊ leaves, and the changes by ends of contact; None without tractions.
+    /// Σ |η_e| of a functional, its value of what is left over, and the changes by ends of contact; None without tractions.
     pub(crate) fn weighted(
         &self,
         functional: &LinearFunctional,
-        (rest, missed, nonconformity): (&[f64], &[f64], Option<(ElasticField<'_>, &Nonconformity)>),
+        left: LeftOver<'_>,
         ends: &[ContactEnd],
     ) -> Option<Weighted> {
+        let LeftOver { rest, missed, nonconformity, reversals } = left;
         let dual = self.dual(functional)?;
         // a force is the opposite of what its dual solution weighs
         let sign = if functional.of_forces.is_empty() { 1.0 } else { -1.0 };
         let of_rest = sign * dual.free.iter().zip(rest).map(|(z, r)| z * r).sum::<f64>();
         let work =
             nonconformity.map_or(0.0, |(field, left)| self.work_on_nonconformity(functional, &dual, (field, left)));
-        let sum = self.residuals(&dual, missed).iter().map(|eta| eta.abs()).sum::<f64>() + work.abs();
+        let of_reversals: f64 = reversals.iter().map(|reversal| self.of_reversal(reversal, &dual.z)).sum();
+        let of_sides = sign * (work + of_reversals);
+        let sum = self.residuals(&dual, missed).iter().map(|eta| eta.abs()).sum::<f64>() + of_sides.abs();
         let of_ends = ends.iter().map(|end| self.of_end(end, &dual.z)).sum();
-        Some(Weighted { sum, of_rest: of_rest + sign * work, of_ends })
+        Some(Weighted { sum, of_rest: of_rest + of_sides, of_ends })
     }
 
     /// ∫ τ·w, τ the traction of the dual solution on the side that carries multipliers or is held; 0 where the functional weighs tractions or
@@ -183,6 +200,21 @@ impl Duals<'_> {
         let free = self.system.solve_base(&load.base);
         let z = if w.is_empty() { free.clone() } else { free.iter().zip(&w).map(|(z, w)| z + w).collect() };
         Some(Dual { z, free, bubbles: load.extra, tops })
+    }
+
+    /// The work of the friction that a reversal of slip leaves out on z.
+    fn of_reversal(&self, reversal: &SlipReversal, z: &[f64]) -> f64 {
+        let space = &self.body.space;
+        let at = |(e, t): (usize, f64)| {
+            let mut phi = vec![0.0; space.degree(e) + 1];
+            space.basis(e).evaluate(t, &mut phi);
+            space
+                .element_nodes(e)
+                .zip(phi)
+                .map(|(node, phi)| phi * dot(reversal.force, [z[2 * node], z[2 * node + 1]]))
+                .sum::<f64>()
+        };
+        at(reversal.place) - reversal.faced.map_or(0.0, at)
     }
 
     /// |δJ| of an end of contact.

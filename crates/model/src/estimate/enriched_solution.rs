@@ -24,7 +24,7 @@ use crate::data::parts::Assembled;
 use crate::data::springs::Springs;
 use crate::error::SolveError;
 use crate::estimate::contact_ends::ContactEnd;
-use crate::estimate::dual::Duals;
+use crate::estimate::dual::{Duals, LeftOver};
 use crate::estimate::elastic::Elastic;
 use crate::estimate::enriched_problem::{ENOUGH_FOR_QUANTITIES, Frame};
 use crate::estimate::functionals::{LinearFunctional, OfEnergy, has_duals};
@@ -82,7 +82,9 @@ pub(crate) fn both(
     let left = plus.zip(nonconformity.as_ref().filter(|left| left.is_there()));
     // others still tell what frozen sets make of displacements that do not agree
     let with_duals = has_duals(scene, tips, &ends);
-    let is_weighed = with_duals || left.is_some();
+    let reversals = solved.contact.as_ref().map_or(Vec::new(), |contact| data.slip_reversals(solved, contact));
+    let is_weighed = with_duals || left.is_some() || !reversals.is_empty();
+    let left = LeftOver { rest, missed, nonconformity: left, reversals: &reversals };
     let mut functionals =
         if is_weighed { data.functionals(solved, (field.as_ref(), around.as_ref()), &peaks) } else { Vec::new() };
     functionals.resize(both.len(), None);
@@ -98,7 +100,7 @@ pub(crate) fn both(
         functionals.push(known.and_then(|((_, x), field)| data.of_von_mises(solved, (field, around.as_ref()), x)));
     }
     let all = both.iter().zip(functionals).map(|(&[value, enriched], functional)| {
-        let weighted = functional.and_then(|functional| duals.weighted(&functional, (rest, missed, left), &ends));
+        let weighted = functional.and_then(|functional| duals.weighted(&functional, left, &ends));
         let of_rest = weighted.as_ref().map_or(0.0, |weighted| weighted.of_rest);
         EstimatedQuantity {
             value,

@@ -18,5 +18,6 @@ pub(crate) mod reaction_work;
 pub mod residual;
 pub(crate) mod rotation_work;
 pub(crate) mod rounding;
+pub(crate) mod slip_reversals;
 pub(crate) mod strain_of_bodies;
 pub(crate) mod unseen;
