@@ -3,10 +3,17 @@
 
 use steklov_model::quantities::Quantity;
 use steklov_model::summary::Summary;
-use steklov_tests::{parse, scene, summary};
+use steklov_problem::Scene;
+use steklov_tests::{adapt, parse, scene, summary};
 
 fn solved(name: &str, settings: &[&str]) -> Summary {
     summary(&scene(name, &[&["expect={}"], settings].concat()))
+}
+
+/// A scene that is to be solved to a tolerance.
+fn to(tolerance: &str, text: &str) -> Scene {
+    let text = format!("{text}[method]\ntolerance = {tolerance}\n");
+    parse(&text, &[]).unwrap_or_else(|e| panic!("{}\n{text}", e.render()))
 }
 
 /// A length of contact, or where one ends.
@@ -94,29 +101,18 @@ fn numbers_beside_a_free_corner_with_friction_are_in_doubt() {
 /// the nodes between which contact ends.
 #[test]
 fn ends_that_fits_see_beyond_their_nodes_are_inside_their_bars() {
-    let at = |tolerance: &str| {
-        summary(
-            &parse(
-                &format!(
-                    "[[body]]\nname = \"outer\"\ncircle = {{ centre = [0, 0], radius = 3 }}\nside = \"out\"\n\
-                     material = {{ young = 17.7, poisson = 0.06 }}\n[[body.holes]]\n\
-                     circle = {{ centre = [0, 0], radius = 2 }}\nside = \"in\"\n\
-                     [[body]]\nname = \"inner\"\ncircle = {{ centre = [0, 0], radius = 2 }}\nside = \"out\"\n\
-                     material = {{ young = 0.5, poisson = 0.06 }}\n[[body.holes]]\n\
-                     circle = {{ centre = [0.05, -0.244], radius = 1.198 }}\nside = \"in\"\n\
-                     [[interface]]\nbetween = [\"inner.out\", \"outer.in\"]\n\
-                     contact = {{ gap = -0.01, friction = {{ tresca = \"0.1\" }} }}\n\
-                     [sides]\nouter.out.displacement = [0, 0]\ninner.in.traction = [\"0.004*x\", \"0.1*y - 0.052\"]\n\
-                     [method]\ntolerance = {tolerance}\n"
-                ),
-                &[],
-            )
-            .unwrap_or_else(|e| panic!("{}", e.render())),
-        )
-    };
-    let known = at("1e-5");
+    let text = "[[body]]\nname = \"outer\"\ncircle = { centre = [0, 0], radius = 3 }\nside = \"out\"\n\
+         material = { young = 17.7, poisson = 0.06 }\n[[body.holes]]\n\
+         circle = { centre = [0, 0], radius = 2 }\nside = \"in\"\n\
+         [[body]]\nname = \"inner\"\ncircle = { centre = [0, 0], radius = 2 }\nside = \"out\"\n\
+         material = { young = 0.5, poisson = 0.06 }\n[[body.holes]]\n\
+         circle = { centre = [0.05, -0.244], radius = 1.198 }\nside = \"in\"\n\
+         [[interface]]\nbetween = [\"inner.out\", \"outer.in\"]\n\
+         contact = { gap = -0.01, friction = { tresca = \"0.1\" } }\n\
+         [sides]\nouter.out.displacement = [0, 0]\ninner.in.traction = [\"0.004*x\", \"0.1*y - 0.052\"]\n";
+    let known = summary(&to("1e-5", text));
     for tolerance in ["1e-3", "1e-4"] {
-        let own = at(tolerance);
+        let own = summary(&to(tolerance, text));
         for end in 0..4 {
             let of = ["x", "y"].map(|i| format!("contact.ends.{end}.{i}"));
             let of = of.map(|path| (own.quantities[&path].clone(), known.quantities[&path].value));
@@ -146,28 +142,18 @@ fn contact_that_may_end_before_a_tip_is_inside_its_bar() {
 /// stay as far off as nodes and exponents make them.
 #[test]
 fn ends_with_friction_are_no_nearer_than_their_nodes_tell() {
-    let at = |tolerance: &str| {
-        summary(
-            &parse(
-                &format!(
-                    "[body]\ncorners = [[-1, -1.212], [1, -1.212], [1, 1.212], [-1, 1.212]]\n\
-                     sides = [\"floor\", \"right\", \"roof\", \"left\"]\n\
-                     [exterior]\nyoung = 38.04\npoisson = 0.393\nremote_stress = [-0.778, -1.005, 0]\n\
-                     [sides.floor]\ncontact = {{ gap = \"0.0482*x^2 - 0.01888\", friction = {{ coulomb = \"0.3\" }} }}\n\
-                     [sides.roof]\ndisplacement = [0, 0]\n[method]\ntolerance = {tolerance}\n"
-                ),
-                &[],
-            )
-            .unwrap_or_else(|e| panic!("{}", e.render())),
-        )
-    };
+    let text = "[body]\ncorners = [[-1, -1.212], [1, -1.212], [1, 1.212], [-1, 1.212]]\n\
+         sides = [\"floor\", \"right\", \"roof\", \"left\"]\n\
+         [exterior]\nyoung = 38.04\npoisson = 0.393\nremote_stress = [-0.778, -1.005, 0]\n\
+         [sides.floor]\ncontact = { gap = \"0.0482*x^2 - 0.01888\", friction = { coulomb = \"0.3\" } }\n\
+         [sides.roof]\ndisplacement = [0, 0]\n";
     // finer meshes about the ends have 1.49144 and 0.53930
     for (tolerance, path, exact, digits) in [
         ("1e-3", "contact.stick", 0.53930, 1e-5),
         ("1e-3", "contact.length", 1.49144, 1e-5),
         ("3e-4", "contact.length", 1.49144, 1e-5),
     ] {
-        let Quantity { value, uncertainty, .. } = &at(tolerance).quantities[path];
+        let Quantity { value, uncertainty, .. } = &summary(&to(tolerance, text)).quantities[path];
         let error = (value - exact).abs();
         println!("{tolerance} {path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
         assert!(error <= 2.0 * uncertainty + digits, "{path} at {tolerance}: {error:e}, {uncertainty:e}");
@@ -178,31 +164,31 @@ fn ends_with_friction_are_no_nearer_than_their_nodes_tell() {
 /// elements are long. Forces and displacements have the friction between the place and the nodes.
 #[test]
 fn numbers_know_where_slip_turns_between_nodes() {
-    let at = |tolerance: &str| {
-        summary(
-            &parse(
-                &format!(
-                    "[[body]]\nname = \"pin\"\ncircle = {{ centre = [0, 0], radius = 0.469 }}\nside = \"rim\"\n\
-                     material = {{ young = 3000, poisson = 0.008 }}\n[[body.holes]]\n\
-                     circle = {{ centre = [0.038, 0.013], radius = 0.211 }}\nside = \"bore\"\n\
-                     [[body]]\nname = \"plate\"\ncorners = [[-3, -1.2], [1.5, -1.2], [1.5, 1.3], [-3, 1.3]]\n\
-                     sides = [\"bottom\", \"right\", \"top\", \"left\"]\nmaterial = {{ young = 1000, poisson = 0.261 }}\n\
-                     [[body.holes]]\ncircle = {{ centre = [0, 0], radius = 0.469 }}\nside = \"hole\"\n\
-                     [sides]\nplate.left.displacement = [0, 0]\npin.bore.displacement = [0.017, -0.003]\n\
-                     [[interface]]\nbetween = [\"pin.rim\", \"plate.hole\"]\n\
-                     contact = {{ gap = 0.002, friction = {{ tresca = \"0.139\" }} }}\n\
-                     [quantities]\nml = {{ moment = \"plate.left\", about = [0, 0] }}\n\
-                     mh = {{ mean_displacement = \"plate.hole\" }}\n\
-                     [probe]\npoints = [[-1.7, 0.35], [1.5, 0.2]]\n[method]\ntolerance = {tolerance}\n"
-                ),
-                &[],
-            )
-            .unwrap_or_else(|e| panic!("{}", e.render())),
-        )
-    };
-    let known = at("1e-5");
+    let text = "[[body]]\nname = \"pin\"\ncircle = { centre = [0, 0], radius = 0.469 }\nside = \"rim\"\n\
+         material = { young = 3000, poisson = 0.008 }\n[[body.holes]]\n\
+         circle = { centre = [0.038, 0.013], radius = 0.211 }\nside = \"bore\"\n\
+         [[body]]\nname = \"plate\"\ncorners = [[-3, -1.2], [1.5, -1.2], [1.5, 1.3], [-3, 1.3]]\n\
+         sides = [\"bottom\", \"right\", \"top\", \"left\"]\nmaterial = { young = 1000, poisson = 0.261 }\n\
+         [[body.holes]]\ncircle = { centre = [0, 0], radius = 0.469 }\nside = \"hole\"\n\
+         [sides]\nplate.left.displacement = [0, 0]\npin.bore.displacement = [0.017, -0.003]\n\
+         [[interface]]\nbetween = [\"pin.rim\", \"plate.hole\"]\n\
+         contact = { gap = 0.002, friction = { tresca = \"0.139\" } }\n\
+         [quantities]\nml = { moment = \"plate.left\", about = [0, 0] }\n\
+         mh = { mean_displacement = \"plate.hole\" }\n\
+         [probe]\npoints = [[-1.7, 0.35], [1.5, 0.2]]\n";
+    let known = summary(&to("1e-5", text));
     for tolerance in ["3e-2", "1e-2", "3e-3", "1e-3"] {
-        let own = at(tolerance);
+        let scene = to(tolerance, text);
+        let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let own = Summary::of_run(&scene, &run, None);
+        for path in ["reactions.plate.left.y", "moment.ml", "mean_displacement.mh.y"] {
+            let (value, exact) = (own.quantities[path].value, known.quantities[path].value);
+            let estimated = run.step().estimate().quantities.iter().find(|own| own.value == value);
+            let left = estimated.map(|own| (own.enriched - exact) / (value - exact));
+            println!("{tolerance} {path}: J₊ has {left:.3?} of the error");
+            // where it is friction that is left out, not where both are near
+            assert!(tolerance != "1e-2" || left.is_some_and(|left| left.abs() < 0.2), "{path}: {left:?}");
+        }
         for path in [
             "contact.force.x",
             "contact.force.y",

@@ -110,7 +110,7 @@ impl Problem {
         }
     }
 
-    /// Dundurs' second parameter of the bodies in contact along an edge, without its sign:
+    /// Dundurs' second parameter of the bodies in contact along an edge that carries multipliers, without its sign and unit:
     /// β = |G₂(κ₁-1) - G₁(κ₂-1)| / (G₂(κ₁+1) + G₁(κ₂+1)), beside a rigid obstacle (κ-1)/(κ+1).
     ///
     /// Source: Dundurs (1969), eq. (4).

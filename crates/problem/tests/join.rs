@@ -146,3 +146,29 @@ fn a_changed_problem_sees_anew() {
     let length = |spans: &[Span]| spans.iter().map(|span| span.s[1] - span.s[0]).sum::<f64>();
     assert!((length(&before) - 1.0).abs() < 1e-9 && (length(&after) - 0.5).abs() < 1e-9, "{before:?} {after:?}");
 }
+
+/// Dundurs' β along the carrying side: 0 between bodies of one material, the same whichever carries, and beside a body that is a million times as
+/// stiff that of an obstacle, (1-2ν)/(2(1-ν)).
+#[test]
+fn the_mismatch_of_materials_is_that_of_dundurs() {
+    let beta = |young: f64, poisson: f64, other: usize| {
+        let mut problem = stack(2, 0.0);
+        let material = Material::new(young, poisson, Plane::Strain).unwrap();
+        problem.bodies[other] = Body::new(&format!("{other}"), Substance::Homogeneous(material));
+        let carrying = problem.join(&[4], &[2], contact("0", Friction::None), None).unwrap().sides[0];
+        problem.dundurs_beta(problem.outline.edges().iter().position(|edge| edge.side == carrying).unwrap())
+    };
+    assert!(beta(100.0, 0.3, 0) < 1e-15);
+    let obstacle = (1.0 - 2.0 * 0.3) / (2.0 * (1.0 - 0.3));
+    for other in [0, 1] {
+        let found = beta(1e8, 0.2, other);
+        assert!((found / obstacle - 1.0).abs() < 1e-5, "{found} {obstacle}");
+        // by Young's moduli and Poisson's ratios, E = 300, 0.1 and 100, 0.3
+        let of = |e: f64, nu: f64| [(1.0 + nu) * (1.0 - 2.0 * nu) / e, 2.0 * (1.0 - nu * nu) / e];
+        let (soft, stiff) = (of(100.0, 0.3), of(300.0, 0.1));
+        let exact = (soft[0] - stiff[0]).abs() / (soft[1] + stiff[1]);
+        assert!((beta(300.0, 0.1, other) / exact - 1.0).abs() < 1e-13);
+    }
+    let alone = stack(1, 0.0).dundurs_beta(0);
+    assert!((alone / obstacle - 1.0).abs() < 1e-14, "{alone} {obstacle}");
+}
