@@ -166,28 +166,28 @@ fn ends_held_along_an_obstacle_are_not_inside_of_it() {
     }
 }
 
-/// A block with a curved floor that sticks to an obstacle whose gap is no polynomial: the mean displacement of the floor is that of the gap along
-/// its normal.
+/// A block with a curved floor that sticks to an obstacle whose gap is no polynomial.
+fn block_that_sticks(tolerance: &str, friction: &str, loads: &str) -> Summary {
+    let text = format!(
+        "[material]\nyoung = 100\npoisson = 0.215\n\
+         [body]\ncorners = [[-0.643, 0], [0.643, 0], [0.643, 1.841], [-0.643, 1.841]]\n\
+         sides = [\"floor\", \"right\", \"top\", \"left\"]\narcs = {{ floor = {{ through = [0, -0.235981] }} }}\n\
+         [sides.floor.contact]\ngap = \"0.003*abs(x + 0.259)^3\"\nfriction = {{ {friction} }}\n{loads}\
+         [quantities]\nmd = {{ mean_displacement = \"floor\" }}\n[method]\ntolerance = {tolerance}\n"
+    );
+    let told = summary(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())));
+    let contact = told.contact.as_ref().expect("contact");
+    assert!((contact.stick / contact.length - 1.0).abs() < 1e-12, "all of it sticks: {contact:?}");
+    told
+}
+
+/// The mean displacement of the floor is that of the gap along its normal.
 #[test]
 fn sides_that_stick_to_obstacles_are_off_by_what_polynomials_leave_of_gaps() {
+    let loads = "[sides.top]\ndisplacement = [\"-0.003\", \"-0.029*(1 + 0.157*x)\"]\n\
+                 [sides.right]\ntraction = [0.213, 0.293]\n";
     for tolerance in ["1e-1", "1e-2", "3e-3", "1e-3"] {
-        let told = summary(
-            &parse(
-                &format!(
-                    "[material]\nyoung = 100\npoisson = 0.215\n\
-                     [body]\ncorners = [[-0.643, 0], [0.643, 0], [0.643, 1.841], [-0.643, 1.841]]\n\
-                     sides = [\"floor\", \"right\", \"top\", \"left\"]\narcs = {{ floor = {{ through = [0, -0.235981] }} }}\n\
-                     [sides.floor.contact]\ngap = \"0.003*abs(x + 0.259)^3\"\nfriction = {{ coulomb = \"0.669\" }}\n\
-                     [sides.top]\ndisplacement = [\"-0.003\", \"-0.029*(1 + 0.157*x)\"]\n\
-                     [sides.right]\ntraction = [0.213, 0.293]\n\
-                     [quantities]\nmd = {{ mean_displacement = \"floor\" }}\n[method]\ntolerance = {tolerance}\n"
-                ),
-                &[],
-            )
-            .unwrap_or_else(|e| panic!("{}", e.render())),
-        );
-        let contact = told.contact.as_ref().expect("contact");
-        assert!((contact.stick / contact.length - 1.0).abs() < 1e-12, "all of it sticks: {contact:?}");
+        let told = block_that_sticks(tolerance, "coulomb = \"0.669\"", loads);
         let exact = mean_of_gap(0.643, 0.235981, |x| 0.003 * (x + 0.259).abs().powi(3));
         for (i, component) in ["x", "y"].iter().enumerate() {
             let Quantity { value, uncertainty, .. } = &told.quantities[&format!("mean_displacement.md.{component}")];
@@ -195,6 +195,23 @@ fn sides_that_stick_to_obstacles_are_off_by_what_polynomials_leave_of_gaps() {
             println!("{tolerance} {component}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
             assert!(error <= 1.5 * uncertainty, "{component} at {tolerance}: {error:e} of {uncertainty:e}");
         }
+    }
+}
+
+/// J is off by the work of the traction on what polynomials leave of the gap; J₊ has that, and comes within a fifth of the error of J.
+#[test]
+fn energies_know_the_work_on_what_polynomials_leave_of_gaps() {
+    let loads = "[sides.top]\ntraction = [\"0.1\", \"-2*(1 + 0.157*x)\"]\n";
+    let of = |tolerance| block_that_sticks(tolerance, "tresca = \"50\"", loads);
+    let exact = of("1e-5").energy_extrapolated.expect("an estimate");
+    for tolerance in ["1e-2", "1e-3", "3e-4"] {
+        let told = of(tolerance);
+        let uncertainty = told.quantities["energy"].uncertainty;
+        let extrapolated = told.energy_extrapolated.expect("an estimate");
+        let [error, left] = [told.energy, extrapolated].map(|energy| (energy - exact).abs());
+        println!("{tolerance}: {} ± {uncertainty:.1e}, off by {error:.1e}, extrapolated by {left:.1e}", told.energy);
+        assert!(error <= 1.5 * uncertainty, "{tolerance}: {error:e} of {uncertainty:e}");
+        assert!(left <= 0.2 * error, "{tolerance}: {left:e} extrapolated, {error:e} before");
     }
 }
 

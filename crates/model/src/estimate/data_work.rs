@@ -3,30 +3,38 @@
 //! ```text
 //! held displacements    ∫ t·w,  w = u_D - I_p u_D              t: traction of the solution
 //! contact               ∫ t·w,  w = I_p u_p - u_p              u_p: particular solution, with which nodes are in contact
+//! closed on obstacles   -∫ t·w,  w = (u_n - g) n, and u_t t     u: interpolant of the displacement; u_t where the side sticks
 //! Tresca's bounds       ∫ F r u_t - Σ D_i F_i |u_t,i|          λ_t = F r, |r| ≤ 1
 //! ```
 //! J is the minimum over u of the maximum over r of ½⟨S u, u⟩ - l(u) + ∫ F r u_t, so that its derivative by data is that of
 //! this form at the saddle point. The rest is of second order: for held displacements from 0 to ½⟨S w, w⟩, as J is convex in
-//! them, and the error of t against w. Loads and gaps need nothing: their integrals against displacements and multipliers are
-//! exact.
+//! them, and the error of t against w. Loads need nothing: their integrals against displacements are exact.
 
 use steklov_bem_operators::{Datum, Site, side_moments};
-use steklov_contact::{LinePoint, Solution};
+use steklov_contact::{ContactBubble, LinePoint, Solution};
+use steklov_elastic::plane::dot;
 use steklov_expression::Expression;
 use steklov_problem::Condition;
 use steklov_quadrature::gauss_legendre;
 
 use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
+use crate::estimate::nonconformity::POINTS;
 use crate::solve::body::Factors;
 use crate::solve::contact::{ContactFactors, ContactResult};
 use crate::solve::solution::Solved;
 
 impl OnMesh<'_> {
-    /// ∫ t·w over the held sides, without the particular solution in w, and over those that touch obstacles, where w is that of
-    /// the particular solution alone (energy: force/thickness times length).
-    pub(crate) fn held_work(&self, solved: &Solved) -> Result<f64, SolveError> {
-        let (mut work, none) = (0.0, Expression::number(0.0));
+    /// ∫ t·w over the held sides, without the particular solution in w, over those that touch obstacles, where w is that of
+    /// the particular solution alone, and over elements that are closed there, `bubbles` being those of the contact elements
+    /// (energy: force/thickness times length).
+    pub(crate) fn held_work(
+        &self,
+        solved: &Solved,
+        factors: &Factors,
+        bubbles: &[ContactBubble],
+    ) -> Result<f64, SolveError> {
+        let (mut work, none) = (self.closed_work(solved, &factors.homogeneous, bubbles), Expression::number(0.0));
         for (side, condition) in self.scene.problem.sides.iter().enumerate() {
             let touches = self.scene.contact(side).is_some() && self.scene.problem.joint(side).is_none();
             let values = match &condition.condition {
@@ -35,9 +43,6 @@ impl OnMesh<'_> {
                 _ => continue,
             };
             let body = self.particular_of_side(&solved.particular, side);
-            // the energies of an unbounded body are those of the field without the particular solution
-            let bounded = self.scene.problem.bodies[self.scene.problem.body_of_side(side)].far.is_none();
-            let of_all = body.filter(|_| bounded);
             for (i, expression) in values.into_iter().enumerate() {
                 let Some(expression) = expression.filter(|e| e.constant().is_none() || body.is_some()) else {
                     continue;
@@ -45,14 +50,42 @@ impl OnMesh<'_> {
                 let mut direction = [0.0; 2];
                 direction[i] = 1.0;
                 let function = self.less_particular(expression, body, |_| direction);
-                let traction = |e: usize, t: f64| {
-                    let own = solved.field.trace(e, t).traction[i];
-                    own + of_all.map_or(0.0, |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e, t))[i])
-                };
+                let traction = |e: usize, t: f64| self.working_traction(solved, (e, t))[i];
                 work += self.work_on_rest(side, Some(expression), &function.datum("displacement"), &traction)?;
             }
         }
         Ok(work)
+    }
+
+    /// -∫ t·w over the elements that are closed on obstacles (energy), of nodal displacements without the particular solution.
+    fn closed_work(&self, solved: &Solved, displacement: &[f64], bubbles: &[ContactBubble]) -> f64 {
+        let (mesh, rule) = (self.mesh, gauss_legendre(POINTS));
+        let of_element = |(e, sticks): (usize, bool)| {
+            let basis = self.space.basis(e);
+            let mut phi = vec![0.0; basis.degree + 1];
+            let nodal: Vec<[f64; 2]> = self
+                .space
+                .element_nodes(e)
+                .map(|node| {
+                    let of_body = solved.particular.of(e).map_or([0.0; 2], |b| b.displacement(self.space.points[node]));
+                    [0, 1].map(|i| displacement[2 * node + i] + of_body[i])
+                })
+                .collect();
+            let at = |(&t, weight): (&f64, &f64)| {
+                basis.evaluate(t, &mut phi);
+                let u = [0, 1].map(|i| phi.iter().zip(&nodal).map(|(phi, u)| phi * u[i]).sum());
+                let left = self.off_obstacle(u, sticks, (e, t));
+                weight * mesh.speed(e, t) * dot(self.working_traction(solved, (e, t)), left)
+            };
+            rule.points.iter().zip(&rule.weights).map(at).sum::<f64>()
+        };
+        -self.closed_on_obstacles(bubbles).into_iter().map(of_element).sum::<f64>()
+    }
+
+    /// The traction whose work is in the energies: of an unbounded body that of the field without the particular solution.
+    fn working_traction(&self, solved: &Solved, (e, t): (usize, f64)) -> [f64; 2] {
+        let is_bounded = self.scene.problem.bodies[self.scene.problem.body_of_side(self.mesh.side[e])].far.is_none();
+        if is_bounded { solved.elastic_field().traction(e, t) } else { solved.field.trace(e, t).traction }
     }
 
     /// ∫ I_pφ (f - I_p f) over a side, φ(e, t) a function on element e.

@@ -240,7 +240,7 @@ fn energies(
             Some(own) => own,
             None => {
                 let prescribed = data.prescribed(solved, duals.body);
-                let works = data.reaction_work(solved, &prescribed, changes.forces)?;
+                let works = data.reaction_work((solved, factors), bubbles, &prescribed, changes.forces)?;
                 (works, LinearFunctional { of_forces: prescribed, ..LinearFunctional::default() })
             }
         };

@@ -197,7 +197,7 @@ pub fn estimate(
     let of_nodes = (gained, squared, HELD_REST * held_oscillation);
     let [energy, uncertainty] = extrapolated(
         &data,
-        solved,
+        (solved, &bubbles),
         (body, factors),
         of_nodes,
         nonconformity.work(solved.elastic_field()),
@@ -230,7 +230,7 @@ pub fn estimate(
 /// nodes, and the rests of held displacements have some more; `error` and `scale` are those of the estimate.
 fn extrapolated(
     data: &OnMesh<'_>,
-    solved: &Solved,
+    (solved, bubbles): (&Solved, &[ContactBubble]),
     (body, factors): (&Body, &Factors),
     (gained, squared, of_rests): (f64, f64, f64),
     nonconformity: f64,
@@ -240,7 +240,13 @@ fn extrapolated(
     let friction = data.friction_work_left(solved, factors)?;
     let turning = data.turning_work(solved, body, &factors.homogeneous);
     let on_springs = body.springs.work_on_rest(data, &solved.displacement, &solved.particular);
-    let of_data = of_jump + data.held_work(solved)? + of_rests + friction + nonconformity + turning + on_springs;
+    let of_data = of_jump
+        + data.held_work(solved, factors, bubbles)?
+        + of_rests
+        + friction
+        + nonconformity
+        + turning
+        + on_springs;
     let extrapolation = 0.5 * (gained - squared);
     let energy = factors.energy + of_data + extrapolation;
     if !error.is_finite() || !energy.is_finite() {

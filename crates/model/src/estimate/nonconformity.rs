@@ -173,12 +173,7 @@ impl OnMesh<'_> {
 
     /// The nonconformity of a field on the sides that are held and on closed elements of obstacles; `bubbles` are those of the contact elements.
     pub(crate) fn nonconformity_of_sides(&self, field: ElasticField<'_>, bubbles: &[ContactBubble]) -> Nonconformity {
-        let on_obstacle = |bubble: &&ContactBubble| {
-            let is_obstacle = self.scene.problem.joint(self.mesh.side[bubble.element]).is_none();
-            is_obstacle && !bubble.free[0]
-        };
-        let closed = bubbles.iter().filter(on_obstacle).map(|bubble| (bubble.element, !bubble.free[1]));
-        let mut found = Nonconformity { on_obstacles: closed.collect(), ..Nonconformity::default() };
+        let mut found = Nonconformity { on_obstacles: self.closed_on_obstacles(bubbles), ..Nonconformity::default() };
         let rule = gauss_legendre(POINTS);
         let elements: Vec<usize> =
             (0..self.mesh.len()).filter(|&e| self.is_held(e) || found.is_on_obstacle(e)).collect();
@@ -200,14 +195,27 @@ impl OnMesh<'_> {
         found
     }
 
+    /// The elements that are closed on an obstacle, and whether they stick; `bubbles` are those of the contact elements.
+    pub(crate) fn closed_on_obstacles(&self, bubbles: &[ContactBubble]) -> Vec<(usize, bool)> {
+        let is_on_obstacle = |e: usize| self.scene.problem.joint(self.mesh.side[e]).is_none();
+        let closed = bubbles.iter().filter(|bubble| is_on_obstacle(bubble.element) && !bubble.free[0]);
+        closed.map(|bubble| (bubble.element, !bubble.free[1])).collect()
+    }
+
     /// w of a displacement at a point of a side that is held or closed on an obstacle.
-    pub(crate) fn off_side(&self, left: &Nonconformity, u: [f64; 2], (e, t): (usize, f64)) -> [f64; 2] {
-        let held = self.off_support(u, (e, t));
-        let Some((_, sticks)) = left.on_obstacles.iter().find(|(own, _)| *own == e) else { return held };
-        let Some(contact) = self.scene.contact(self.mesh.side[e]) else { return held };
+    pub(crate) fn off_side(&self, left: &Nonconformity, u: [f64; 2], place: (usize, f64)) -> [f64; 2] {
+        match left.on_obstacles.iter().find(|(e, _)| *e == place.0) {
+            Some((_, sticks)) => self.off_obstacle(u, *sticks, place),
+            None => self.off_support(u, place),
+        }
+    }
+
+    /// w of a displacement at a point of an element that is closed on an obstacle.
+    pub(crate) fn off_obstacle(&self, u: [f64; 2], sticks: bool, (e, t): (usize, f64)) -> [f64; 2] {
+        let Some(contact) = self.scene.contact(self.mesh.side[e]) else { return [0.0; 2] };
         let gap = (self.gap(self.mesh.side[e], &contact.gap).value)(&Site::new(self.mesh, e, t));
         let n = self.mesh.normal(e, t);
-        let along = [dot(u, n) - gap, if *sticks { dot(u, turned(n)) } else { 0.0 }];
+        let along = [dot(u, n) - gap, if sticks { dot(u, turned(n)) } else { 0.0 }];
         [0, 1].map(|i| along[0] * n[i] + along[1] * turned(n)[i])
     }
 

@@ -127,18 +127,19 @@ impl OnMesh<'_> {
         remote
     }
 
-    /// R of a solution and of the enriched spaces, which change the forces at nodes so.
+    /// R of a solution and of the enriched spaces, which change the forces at nodes so; `bubbles` are those of the contact elements.
     ///
     /// # Errors
     /// Data that are not finite.
     pub(crate) fn reaction_work(
         &self,
-        solved: &Solved,
+        (solved, factors): (&Solved, &Factors),
+        bubbles: &[ContactBubble],
         prescribed: &[f64],
         change: &[f64],
     ) -> Result<[f64; 2], SolveError> {
         let gained: f64 = prescribed.iter().zip(change).map(|(w, force)| w * force).sum();
-        Ok([solved.reaction_work, solved.reaction_work + gained + self.held_work(solved)?])
+        Ok([solved.reaction_work, solved.reaction_work + gained + self.held_work(solved, factors, bubbles)?])
     }
 
     /// F of a solution, and with what the enriched spaces change, or half of the changes at all nodes without signs: these spaces correct the displacement and change the forces at nodes so.
