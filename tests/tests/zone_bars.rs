@@ -205,3 +205,42 @@ fn numbers_know_where_slip_turns_between_nodes() {
         }
     }
 }
+
+/// Ends of contact of a hole in a medium are fitted to nodes: once the mesh beside them stays as it is, the fit does as well, and is still off.
+#[test]
+fn fits_are_no_nearer_than_a_part_of_the_distance_of_nodes() {
+    let text = "[body]\ncorners = [[-1, -0.652], [1, -0.652], [1, 0.652], [-1, 0.652]]\n\
+                sides = [\"floor\", \"right\", \"roof\", \"left\"]\n\
+                [exterior]\nyoung = 32.32\npoisson = 0.401\nremote_stress = [-0.905, -1.440, 0]\n\
+                [sides.floor]\ncontact = { gap = \"0.0319*x^2 - 0.01103\" }\n[sides.roof]\ndisplacement = [0, 0]\n";
+    let length = |elements: usize, tolerance: f64| {
+        let text = format!("{text}[method]\nelements = {elements}\ntolerance = {tolerance}\n");
+        summary(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))).quantities["contact.length"].clone()
+    };
+    let Quantity { value, uncertainty, .. } = length(16, 4.5e-4);
+    let error = (value - length(24, 1e-4).value).abs();
+    println!("{value} ± {uncertainty:.1e}, off by {error:.1e}");
+    assert!(
+        error <= 1.5 * uncertainty && uncertainty <= 100.0 * error,
+        "{value} is off by {error:e} of {uncertainty:e}"
+    );
+}
+
+/// A block on a slab whose top carries the multipliers: on a coarse mesh all of it sticks but for the nodes at its corners, and what slips is shorter
+/// than the distance of nodes.
+#[test]
+fn stick_ends_beside_corners_of_the_other_side() {
+    let text = "[[body]]\nname = \"block\"\ncorners = [[-0.444, 0], [0.444, 0], [0.444, 1], [-0.444, 1]]\n\
+                sides = [\"bottom\", \"right\", \"top\", \"left\"]\nmaterial = { young = 4.68, poisson = 0.326 }\n\
+                [[body]]\nname = \"slab\"\ncorners = [[-3, -2], [3, -2], [3, 0], [-3, 0]]\n\
+                sides = [\"bottom\", \"right\", \"top\", \"left\"]\nmaterial = { young = 1.14, poisson = 0.34 }\n\
+                [sides]\nslab.bottom.displacement = [0, 0]\nblock.top.traction = [0.042, -1]\n\
+                [[interface]]\nbetween = [\"block.bottom\", \"slab.top\"]\ncontact = { friction = { coulomb = \"0.3\" } }\n";
+    let known = summary(&to("1e-4", text)).contact.expect("contact").stick;
+    let coarse = format!("{text}[method]\nelements = 48\ntolerance = 0.1\n");
+    let own = summary(&parse(&coarse, &[]).unwrap_or_else(|e| panic!("{}", e.render())));
+    let Quantity { value, uncertainty, .. } = &own.quantities["contact.stick"];
+    let error = (value - known).abs();
+    println!("{value} ± {uncertainty:.1e}, off by {error:.1e}");
+    assert!(error <= *uncertainty && *uncertainty <= 4.0 * error, "{value} is off by {error:e} of {uncertainty:e}");
+}

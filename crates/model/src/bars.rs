@@ -5,14 +5,18 @@
 //! s = Σ_e |η_e|                                       dual weighted residuals, see `estimate/dual.rs`
 //! d_k = max(|J₊ - J_k|, s/2),   uncertainty = 1.2 max(d_k, d_{k-1} q) + Σ |δJ| of ends of contact,      q = min(1, (E_k / E_{k-1})²)
 //! ```
-//! but not more than what serves without a dual problem, in doubt, and for the first two steps:
+//! but not more than the sum of all changes to come, if each is q of the one before, or less than the last one, allows:
+//! ```text
+//! uncertainty ≤ 1.2 max(d_k, d_{k-1} q) + max(1, q/(1 - q)) |J_k - J_{k-1}|,      d_k = |J₊ - J_k|
+//! ```
+//! Without a dual problem, and in doubt, it is
 //! ```text
 //! uncertainty = 1.2 max(d_k, d_{k-1} q) + 0.3 |J_k - J_{k-1}|,      d_k = |J₊ - J_k|
 //! ```
 //! |J₊ - J_k| crosses zero by accident, hardly twice in a row and hardly in all components: without a dual that of a component is a quarter of
 //! the largest one of its vector or tensor or more. The value of a pressure at a point is J₊, as tractions gain most of the enriched spaces.
 //! It depends on the contact sets: what serves without a dual problem is three times as wide.
-//! Of a single mesh, and of an exact solution, which has no step before it, the uncertainty is max(5 |J₊ - J|, s). At corners and between sides J₊
+//! Of a single mesh, and of an exact solution, which has no step before it, that is max(5 |J₊ - J|, s). At corners and between sides J₊
 //! removes less of the error: there stresses, and displacements where the stress is infinite, have three times the uncertainty, and the doubt
 //! `coarse`; pressures within one element of an end of contact have the doubt `transition`. Where a body has contact
 //! and data that vary between the nodes make a quarter of the squared error or more, all have the doubt `data`: the enriched spaces miss the
@@ -46,8 +50,6 @@ const OF_WEIGHTED: f64 = 0.5;
 /// How much wider the bars of a pressure, and with contact of the largest stress and of forces that sides share at a corner, are without a
 /// dual problem: they depend on where contact ends, which frozen sets do not see.
 const OF_PRESSURE: f64 = 3.0;
-/// Steps before the one whose dual problems are trusted: the first ones see little of crack tips and corners.
-const LEAST_BEFORE: usize = 2;
 /// Least part of the other components' differences that a component has without a dual problem.
 const OF_OTHERS: f64 = 0.25;
 /// Relative errors of the energy norm that are rounding.
@@ -241,7 +243,6 @@ impl Bars {
             return Self::default();
         }
         // what was before an exact solution says nothing about it
-        let is_early = before.len() < LEAST_BEFORE;
         let before = before.last().filter(|before| before.quantities.len() == last.quantities.len());
         let before = before.filter(|_| last.relative > EXACT);
         let difference = |q: &EstimatedQuantity| (q.enriched - q.value).abs();
@@ -261,21 +262,24 @@ impl Bars {
             let of_sets = is_pressure || has_contact && (entries[k].of == Of::LargestStress || entries[k].alone);
             let wider = if of_sets { OF_PRESSURE } else { 1.0 };
             let before = before.map(|before| (before, &before.quantities[k])).filter(|(_, q)| q.value.is_finite());
-            let uncertainty = match before {
-                Some((before, of_before)) => {
+            let own = weighted(quantity).filter(|_| last.doubts.is_empty());
+            let uncertainty = match (before, own) {
+                (Some((before, of_before)), own) => {
                     let fallen = if before.error > 0.0 { (last.error / before.error).powi(2).min(1.0) } else { 1.0 };
                     let change = (value - of_before.value).abs();
                     let d = seen(last, k).max(fallen * seen(before, k));
-                    let wide = wider * (OF_DIFFERENCE * d + OF_CHANGE * change);
-                    match weighted(quantity).filter(|_| last.doubts.is_empty() && !is_early) {
-                        Some((d, of_ends)) => {
-                            let d = d.max(fallen * weighted(of_before).map_or(0.0, |(d, _)| d));
-                            wide.min(OF_DIFFERENCE * d + of_ends)
+                    let with = |of_change: f64| wider * (OF_DIFFERENCE * d + of_change * change);
+                    match own {
+                        Some((own, of_ends)) => {
+                            let own = own.max(fallen * weighted(of_before).map_or(0.0, |(d, _)| d));
+                            let bar = OF_DIFFERENCE * own + of_ends;
+                            if fallen < 1.0 { with((fallen / (1.0 - fallen)).max(1.0)).min(bar) } else { bar }
                         }
-                        None => wide,
+                        None => with(OF_CHANGE),
                     }
                 }
-                None => (OF_SINGLE * seen(last, k)).max(quantity.weighted.map_or(0.0, |[sum, _]| sum)),
+                (None, Some((own, of_ends))) => OF_DIFFERENCE * own + of_ends,
+                (None, None) => (OF_SINGLE * seen(last, k)).max(quantity.weighted.map_or(0.0, |[sum, _]| sum)),
             };
             [if is_pressure { enriched } else { value }, uncertainty]
         };

@@ -8,7 +8,7 @@
 use steklov_bem_operators::{Edge, SAME_PLACE};
 use steklov_contact::{Located, Tip, TipFit, TipKind};
 use steklov_elastic::plane::{cross, distance};
-use steklov_problem::{Contact, Friction, Law, Multiplier, Refine, Scene};
+use steklov_problem::{Contact, Faces, Friction, Interface, Law, Multiplier, Refine, Scene};
 
 use crate::answer::wedges::beyond_end;
 use crate::estimate::contact_ends::ContactEnd;
@@ -86,16 +86,18 @@ pub(crate) fn ends_at_corners_are_known(scene: &Scene, rows: &[ContactRow]) -> b
     unknown_at_corners(scene, rows).is_empty()
 }
 
-/// The edges, and their ends 0 or 1, that contact may or may not reach.
+/// The edges, of either side of an interface, and their ends 0 or 1, that contact may or may not reach.
 pub(crate) fn unknown_at_corners(scene: &Scene, rows: &[ContactRow]) -> Vec<(usize, f64)> {
-    let outline = &scene.problem.outline;
-    let is_known = |(k, edge, contact): (usize, &Edge, &Contact), end: f64| {
+    let (problem, outline) = (&scene.problem, &scene.problem.outline);
+    let is_known = |&(k, end): &(usize, f64)| {
+        let edge = &outline.edges()[k];
         let (at, length) = (edge.point(end), edge.length());
         let far = |row: &ContactRow| distance(row.point, at);
-        let own = || rows.iter().filter(|row| row.side == edge.side);
+        let own = || rows_along(scene, rows, edge.side);
         let Some(nearest) = own().min_by(|a, b| far(a).total_cmp(&far(b))).filter(|row| row.pressure > 0.0) else {
             return true;
         };
+        let Some(contact) = scene.contact(nearest.side) else { return true };
         let beside = own().filter(|row| far(row) <= BESIDE * length);
         let largest = beside.fold(0.0, |largest: f64, row| largest.max(row.pressure));
         let (beyond, is_straight) = beyond_end(outline, k, end > 0.5);
@@ -106,18 +108,50 @@ pub(crate) fn unknown_at_corners(scene: &Scene, rows: &[ContactRow]) -> Vec<(usi
         let flat = || smooth() && is_flat(edge, contact, end) && is_parallel(scene, k, end);
         // where a support holds the corner, and where no other body is, the nearest node may be far
         let is_near = far(nearest) <= BESIDE * length;
-        let is_faced = scene.problem.joint(edge.side).is_none_or(|own| scene.problem.seen(own, k, end).is_some());
+        let is_faced = problem.joint(edge.side).is_none_or(|own| problem.seen(own, k, end).is_some());
         goes_on || !is_near && !is_faced || is_near && nearest.pressure >= PART_AT_CORNER * largest && flat()
     };
-    let edges = outline.edges().iter().enumerate();
-    let touching = edges.filter_map(|(k, edge)| Some((k, edge, scene.contact(edge.side)?)));
-    let ends = touching.flat_map(|own| [(own, 0.0), (own, 1.0)]);
-    ends.filter(|&(own, end)| !is_known(own, end)).map(|((edge, ..), end)| (edge, end)).collect()
+    let touching = outline.edges().iter().enumerate().filter(|(_, edge)| scene.contact(edge.side).is_some());
+    let carrying = touching.flat_map(|(k, _)| [(k, 0.0), (k, 1.0)]);
+    carrying.chain(faced_corners(scene)).filter(|corner| !is_known(corner)).collect()
+}
+
+/// The ends of the edges that sides in contact face, other than cracks, that lie between the ends of those: edge and end 0 or 1.
+fn faced_corners(scene: &Scene) -> Vec<(usize, f64)> {
+    let (problem, edges) = (&scene.problem, scene.problem.outline.edges());
+    let between_bodies = problem.joints().filter(|own| matches!(own.law, Law::Contact(_)) && own.faces != Faces::Cut);
+    let of_joint = |own: &Interface| {
+        let near = problem.coincidence(own);
+        let lies_between = |&(k, end): &(usize, f64)| {
+            let seen_from = problem.seen_from(own, k, end);
+            let is_corner = |&(edge, s): &(usize, f64)| {
+                [0.0, 1.0].iter().any(|&to| distance(edges[edge].point(s), edges[edge].point(to)) <= near)
+            };
+            !seen_from.is_empty() && !seen_from.iter().any(is_corner)
+        };
+        let faced = edges.iter().enumerate().filter(|(_, edge)| problem.facing_sides(own).contains(&edge.side));
+        faced.flat_map(|(k, _)| [(k, 0.0), (k, 1.0)]).filter(lies_between).collect::<Vec<_>>()
+    };
+    between_bodies.flat_map(of_joint).collect()
+}
+
+/// The contact rows of a side, or of the sides that face it.
+pub(crate) fn rows_along<'r>(
+    scene: &'r Scene,
+    rows: &'r [ContactRow],
+    side: usize,
+) -> impl Iterator<Item = &'r ContactRow> {
+    let is_along = move |row: &&ContactRow| {
+        let faces = |own: &Interface| scene.problem.facing_sides(own).contains(&side);
+        row.side == side || scene.problem.joint(row.side).is_some_and(faces)
+    };
+    rows.iter().filter(is_along)
 }
 
 /// Whether a side is tied to another body, as the sides behind the tip of a crack are.
 fn is_tied(scene: &Scene, side: usize) -> bool {
-    scene.problem.joint(side).is_some_and(|own| matches!(own.law, Law::Tied(_)))
+    let meets = |own: &Interface| own.sides.contains(&side) || scene.problem.facing_sides(own).contains(&side);
+    scene.problem.joints().any(|own| matches!(own.law, Law::Tied(_)) && meets(own))
 }
 
 /// The edges, and their ends 0 or 1 at a tip of a crack, that contact reaches with a pressure that falls towards the tip: it may end before the tip
@@ -149,9 +183,14 @@ pub(crate) fn is_symmetric(scene: &Scene, edge: usize, end: f64) -> bool {
 /// Whether the other body at an end of an edge, if there is one, has the same tangent: the distance of both has no slope there.
 fn is_parallel(scene: &Scene, edge: usize, end: f64) -> bool {
     let (problem, edges) = (&scene.problem, scene.problem.outline.edges());
-    let Some(interface) = problem.joint(edges[edge].side) else { return true };
-    let seen = problem.seen(interface, edge, end);
-    seen.is_some_and(|seen| cross(edges[seen.edge].normal(seen.s), edges[edge].normal(end)).abs() <= PARALLEL)
+    let normal = edges[edge].normal(end);
+    let is_along = |k: usize, s: f64| cross(edges[k].normal(s), normal).abs() <= PARALLEL;
+    let facing = |own: &&Interface| problem.facing_sides(own).contains(&edges[edge].side);
+    match (problem.joint(edges[edge].side), problem.joints().find(facing)) {
+        (Some(own), _) => problem.seen(own, edge, end).is_some_and(|seen| is_along(seen.edge, seen.s)),
+        (None, Some(own)) => problem.seen_from(own, edge, end).iter().all(|&(k, s)| is_along(k, s)),
+        (None, None) => true,
+    }
 }
 
 /// Whether the gap has no slope at an end of an edge, in any units: what two steps change is curvature or rounding.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! an end of a zone     1.2 max(|δ_k|, |δ_{k-1}| E_k/E_{k-1}) + 0.3 |δ_k|          δ_k its shift from its vertex at step k, E the estimate
-//!                      1.5 times the way from the nodes between which contact ends to the fit, where that is more
+//!                      1.5 times the way from the nodes between which contact ends to the fit, where that is more, and 0.005 h
 //!                      μ β h under Coulomb's law, where that is more        β Dundurs' second parameter, h the distance of the nodes beside it
 //! a length             Σ over its ends, and to the next node of corners that contact may or may not reach
 //! on a grid            Σ over its ends of the distance of the nodes about them
@@ -20,11 +20,13 @@ use steklov_problem::{Friction, Scene};
 
 use crate::answer::report::{sticks, zones};
 use crate::bars::{OF_CHANGE, OF_DIFFERENCE, ROUNDED};
-use crate::contact_length::{is_extractable, is_symmetric, unknown_at_corners, unsure_at_tips};
+use crate::contact_length::{is_extractable, is_symmetric, rows_along, unknown_at_corners, unsure_at_tips};
 use crate::refine::transitions::zone;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, TOUCHING, Trace};
 
+/// How far off the fit of an end of contact to nodes is at least, over their distance: 0.003 was measured where meshes stay as they are.
+const OF_NODES: f64 = 0.005;
 /// Shifts that do not fall under Coulomb's law, over the distance to the next end.
 const STALLED: f64 = 4e-3;
 
@@ -91,7 +93,8 @@ pub(crate) fn off_by_nodes(
         let edge = &edges[end.edge];
         let speed = norm(edge.derivative(end.s));
         let fitted = end.kind == TipKind::ContactEnd && !is_extractable(scene, edge);
-        let of_fit = if fitted { (OF_DIFFERENCE + OF_CHANGE) * beyond(end) * speed } else { 0.0 };
+        let of_fit =
+            if fitted { ((OF_DIFFERENCE + OF_CHANGE) * beyond(end)).max(OF_NODES * apart(end)) * speed } else { 0.0 };
         let is_coulomb = scene.contact(edge.side).is_some_and(|own| own.friction.coefficient().is_some());
         let of_exponent = if is_coulomb && end.kind != TipKind::SlipReversal {
             coefficient(edge.side) * scene.problem.dundurs_beta(end.edge) * apart(end) * speed
@@ -150,8 +153,8 @@ impl Zones<'_> {
         let edges = self.scene.problem.outline.edges();
         let next = |(edge, end): (usize, f64)| {
             let at = edges[edge].point(end);
-            let own = rows.iter().filter(|row| row.side == edges[edge].side);
-            let mut all: Vec<f64> = own.map(|row| distance(row.point, at)).collect();
+            let mut all: Vec<f64> =
+                rows_along(self.scene, rows, edges[edge].side).map(|row| distance(row.point, at)).collect();
             all.sort_by(f64::total_cmp);
             all.get(1).copied().unwrap_or_else(|| edges[edge].length())
         };
