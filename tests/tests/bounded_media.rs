@@ -47,3 +47,23 @@ fn numbers_of_bounded_media_are_inside_their_bars() {
     println!("{half} of {count}, {of_points} displacements");
     assert!(of_points >= 50 && 100 * half >= 95 * count, "{half} of {count}, {of_points} displacements");
 }
+
+/// A jump of x² on linear elements moves the medium by the mean of what these miss of it, as ∮u = 0 of the body. u₊ has that: its bubbles have a mean.
+#[test]
+fn a_body_that_nothing_holds_keeps_its_mean_with_bubbles() {
+    let at = |method: &str| {
+        let text = format!(
+            "{HOLE}[material]\nyoung = 1\npoisson = 0.2\n[exterior]\nyoung = 60\npoisson = 0.4\nat_infinity = \"bounded\"\n\
+             displacement_jump = [\"0.05*x^2\", \"0.03*x*y\"]\n[quantities]\nmean = {{ mean_displacement = \"right\" }}\n\
+             [method]\n{method}"
+        );
+        solved(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}\n{text}", e.render()))).quantities
+    };
+    let (own, known) = (at("refine = \"none\"\n"), at("tolerance = 1e-4\n"));
+    for path in ["probe.0.displacement.x", "probe.1.displacement.x", "mean_displacement.mean.x"] {
+        let Quantity { value, uncertainty, .. } = &own[path];
+        let error = (value - known[path].value).abs();
+        println!("{path}: {value} ± {uncertainty:.1e}, off by {error:.1e}");
+        assert!(error <= 1.5 * uncertainty && *uncertainty <= 4.0 * error, "{path}: {error:e} and {uncertainty:e}");
+    }
+}

@@ -29,6 +29,7 @@ use crate::estimate::nonconformity::{Left, Nonconformity};
 use crate::estimate::slip_reversals::SlipReversal;
 use crate::solve::body::Body;
 use crate::solve::fields::ElasticField;
+use crate::solve::free_bodies::Normalised;
 use crate::solve::rotations::{orthonormal, project_off_basis};
 use crate::solve::solution::Solved;
 
@@ -46,6 +47,8 @@ pub(crate) struct Duals<'a> {
     residual: &'a [f64],
     /// An orthonormal basis of the motions that nothing resists.
     motions: Vec<Vec<f64>>,
+    /// Those that are taken out of displacements.
+    pub(crate) normalised: Vec<Normalised>,
 }
 
 impl<'a> Duals<'a> {
@@ -63,7 +66,9 @@ impl<'a> Duals<'a> {
         };
         let blocks = of_springs.iter().enumerate().map(block).collect();
         let motions: Vec<Vec<f64>> = solved.free_motions.iter().map(|motion| motion.nodal(&body.points)).collect();
-        Self { data, body, system, blocks, residual, motions: orthonormal(&motions) }
+        let boundary = solved.contact.as_ref().map(|contact| &contact.boundary);
+        let normalised = body.loose.normalised((&body.mesh, &body.space), boundary);
+        Self { data, body, system, blocks, residual, motions: orthonormal(&motions), normalised }
     }
 }
 
@@ -195,7 +200,12 @@ impl Duals<'_> {
             w.resize(load.base.len(), 0.0);
             load.base.iter_mut().zip(self.system.condensation.multiply(&w)).for_each(|(load, force)| *load -= force);
         }
-        // displacements are without the motions that nothing resists
+        // displacements are without the motions that nothing resists, of which bubbles have a part
+        for Normalised { motion, on_nodes, on_bubbles } in &self.normalised {
+            let part: f64 = load.base.iter().zip(motion).map(|(load, r)| load * r).sum();
+            load.base.iter_mut().zip(on_nodes).for_each(|(load, m)| *load -= part * m);
+            load.extra.iter_mut().zip(on_bubbles).for_each(|(load, m)| *load -= part * m);
+        }
         project_off_basis(&mut load.base, &self.motions);
         let free = self.system.solve_base(&load.base);
         let z = if w.is_empty() { free.clone() } else { free.iter().zip(&w).map(|(z, w)| z + w).collect() };

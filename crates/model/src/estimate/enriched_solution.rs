@@ -35,6 +35,7 @@ use crate::reacting::{shared, works_alone};
 use crate::solve::body::{Body, Factors};
 use crate::solve::contact_rows::contact_rows;
 use crate::solve::fields::{ElasticField, Field};
+use crate::solve::free_bodies::Normalised;
 use crate::solve::solution::Solved;
 
 /// The quantities of a scene in their order, J(u), J(u₊) and dual weighted residuals, and the ends of contact at `tips`; empty where none are
@@ -132,7 +133,7 @@ impl EnrichedSolution {
     fn new(
         data: &OnMesh<'_>,
         (solved, factors): (&Solved, &Factors),
-        &Duals { body, system, .. }: &Duals<'_>,
+        &Duals { body, system, ref normalised, .. }: &Duals<'_>,
         bubbles: &[ContactBubble],
         right: &Enriched,
     ) -> Result<Self, SolveError> {
@@ -149,6 +150,11 @@ impl EnrichedSolution {
         }
         let (_, mut correction, rest) = system.correction(&residual, ENOUGH_FOR_QUANTITIES);
         correction.add(1.0, &missed);
+        for Normalised { motion, on_nodes, on_bubbles } in normalised {
+            let of = |m: &[f64], u: &[f64]| m.iter().zip(u).map(|(m, u)| m * u).sum::<f64>();
+            let part = of(on_nodes, &correction.base) + of(on_bubbles, &correction.extra);
+            correction.base.iter_mut().zip(motion).for_each(|(u, r)| *u -= part * r);
+        }
         let mut change = system.multiply(&correction).base;
         change.iter_mut().zip(&right.base).for_each(|(force, r)| *force -= r);
         let field = field(body, (solved, factors), system.elastic, &correction);

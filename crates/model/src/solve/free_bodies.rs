@@ -10,6 +10,7 @@ use steklov_algebra::{dot, solve_full_lu, symmetric_eigen};
 use steklov_bem_operators::{Mesh, Relative, Space};
 use steklov_contact::ContactBoundary;
 use steklov_elastic::{RigidMotion, plane};
+use steklov_quadrature::{gauss_legendre, legendre_p};
 
 use crate::data::joints::{Joint, TiedNode};
 use crate::data::motions::{nodal_work, unresisted};
@@ -58,26 +59,62 @@ impl Loose {
         (mesh, space): (&Mesh, &Space),
         boundary: Option<&ContactBoundary>,
     ) {
-        let mut motions: Vec<Vec<f64>> = self.motions.iter().filter(|r| glides(r, boundary)).cloned().collect();
-        if motions.is_empty() {
-            return;
-        }
-        let weights = node_lengths(mesh, space);
-        // nodes on cuts count for nothing
-        let product = |u: &[f64], v: &[f64]| -> f64 {
-            let pairs = u.chunks_exact(2).zip(v.chunks_exact(2)).zip(&weights);
-            pairs.map(|((u, v), weight)| weight * (u[0] * v[0] + u[1] * v[1])).sum()
-        };
-        let project_off = |u: &mut [f64], r: &[f64]| {
-            let part = product(u, r) / product(r, r);
-            u.iter_mut().zip(r).for_each(|(u, r)| *u -= part * r);
-        };
-        for k in 0..motions.len() {
-            let (before, rest) = motions.split_at_mut(k);
-            before.iter().for_each(|r| project_off(&mut rest[0], r));
-            project_off(displacement, &rest[0]);
+        for Normalised { motion, on_nodes, .. } in self.normalised((mesh, space), boundary) {
+            let part: f64 = on_nodes.iter().zip(&*displacement).map(|(m, u)| m * u).sum();
+            displacement.iter_mut().zip(&motion).for_each(|(u, r)| *u -= part * r);
         }
     }
+
+    /// The motions that change no contact, with ∮ r_j·r_k = δ_jk; nodes on cuts count for nothing.
+    pub(crate) fn normalised(
+        &self,
+        (mesh, space): (&Mesh, &Space),
+        boundary: Option<&ContactBoundary>,
+    ) -> Vec<Normalised> {
+        let weights = node_lengths(mesh, space);
+        let weights = || weights.iter().flat_map(|weight| [weight; 2]);
+        let weighted = |r: &[f64]| -> Vec<f64> { r.iter().zip(weights()).map(|(r, weight)| weight * r).collect() };
+        let product = |u: &[f64], v: &[f64]| u.iter().zip(v).map(|(u, v)| u * v).sum::<f64>();
+        let mut found: Vec<Normalised> = Vec::new();
+        for motion in self.motions.iter().filter(|r| glides(r, boundary)) {
+            let mut motion = motion.clone();
+            for before in &found {
+                let part = product(&before.on_nodes, &motion);
+                motion.iter_mut().zip(&before.motion).for_each(|(r, q)| *r -= part * q);
+            }
+            let norm = product(&weighted(&motion), &motion).sqrt();
+            motion.iter_mut().for_each(|r| *r /= norm);
+            let on_bubbles = (0..mesh.len()).flat_map(|e| against_bubble(&motion, mesh, space, e)).collect();
+            found.push(Normalised { on_nodes: weighted(&motion), on_bubbles, motion });
+        }
+        found
+    }
+}
+
+/// A motion r that nothing resists.
+pub(crate) struct Normalised {
+    /// Its nodal values.
+    pub(crate) motion: Vec<f64>,
+    /// ∮ u·r of the displacements of nodes and of bubbles.
+    pub(crate) on_nodes: Vec<f64>,
+    pub(crate) on_bubbles: Vec<f64>,
+}
+
+/// ∫ b r over an element, b its bubble (P_(p+1) - P_(p-1))/(2p+1).
+fn against_bubble(motion: &[f64], mesh: &Mesh, space: &Space, e: usize) -> [f64; 2] {
+    let basis = space.basis(e);
+    let p = basis.degree;
+    let rule = gauss_legendre(p + if mesh.is_line(e) { 2 } else { 12 });
+    let (mut phi, mut legendre, mut sum) = (vec![0.0; p + 1], vec![0.0; p + 2], [0.0; 2]);
+    for (&t, weight) in rule.points.iter().zip(&rule.weights) {
+        basis.evaluate(t, &mut phi);
+        legendre_p(t, &mut legendre);
+        let of_bubble = weight * mesh.speed(e, t) * (legendre[p + 1] - legendre[p - 1]) / (2 * p + 1) as f64;
+        for (node, phi) in space.element_nodes(e).zip(&phi) {
+            (0..2).for_each(|i| sum[i] += of_bubble * phi * motion[2 * node + i]);
+        }
+    }
+    sum
 }
 
 /// The length of the boundary that each node stands for: Gauss-Lobatto weights of its elements.
