@@ -67,3 +67,22 @@ fn a_body_that_nothing_holds_keeps_its_mean_with_bubbles() {
         assert!(error <= 1.5 * uncertainty && *uncertainty <= 4.0 * error, "{path}: {error:e} and {uncertainty:e}");
     }
 }
+
+/// ∮u = 0 of a body that nothing holds, on linear elements along a curve as well.
+#[test]
+fn the_mean_over_the_boundary_of_a_body_that_nothing_holds_is_zero() {
+    for method in ["refine = \"none\"\n", "tolerance = 1e-2\n"] {
+        let text = format!(
+            "body = {{ ellipse = {{ centre = [0.2, -0.1], radii = [1, 0.6], angle = 20 }}, side = \"w\" }}\n\
+             material = {{ young = 1, poisson = 0.2 }}\nexterior = {{ young = 3, poisson = 0.4, at_infinity = \"bounded\", \
+             displacement_jump = [\"0.05*x^3\", \"0.03*exp(x)\"] }}\nquantities.m = {{ mean_displacement = \"w\" }}\n\
+             [method]\n{method}"
+        );
+        let quantities = solved(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}\n{text}", e.render()))).quantities;
+        for path in ["mean_displacement.m.x", "mean_displacement.m.y"] {
+            let Quantity { value, uncertainty, .. } = quantities[path];
+            println!("{method}{path}: {value:e} ± {uncertainty:.1e}");
+            assert!(value.abs() <= 1e-12 && uncertainty <= 1e-10, "{path}: {value:e} ± {uncertainty:e}");
+        }
+    }
+}

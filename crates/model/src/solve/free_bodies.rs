@@ -71,9 +71,6 @@ impl Loose {
         (mesh, space): (&Mesh, &Space),
         boundary: Option<&ContactBoundary>,
     ) -> Vec<Normalised> {
-        let weights = node_lengths(mesh, space);
-        let weights = || weights.iter().flat_map(|weight| [weight; 2]);
-        let weighted = |r: &[f64]| -> Vec<f64> { r.iter().zip(weights()).map(|(r, weight)| weight * r).collect() };
         let product = |u: &[f64], v: &[f64]| u.iter().zip(v).map(|(u, v)| u * v).sum::<f64>();
         let mut found: Vec<Normalised> = Vec::new();
         for motion in self.motions.iter().filter(|r| glides(r, boundary)) {
@@ -82,10 +79,10 @@ impl Loose {
                 let part = product(&before.on_nodes, &motion);
                 motion.iter_mut().zip(&before.motion).for_each(|(r, q)| *r -= part * q);
             }
-            let norm = product(&weighted(&motion), &motion).sqrt();
+            let norm = product(&weighted(&motion, mesh, space)[0], &motion).sqrt();
             motion.iter_mut().for_each(|r| *r /= norm);
-            let on_bubbles = (0..mesh.len()).flat_map(|e| against_bubble(&motion, mesh, space, e)).collect();
-            found.push(Normalised { on_nodes: weighted(&motion), on_bubbles, motion });
+            let [on_nodes, on_bubbles] = weighted(&motion, mesh, space);
+            found.push(Normalised { motion, on_nodes, on_bubbles });
         }
         found
     }
@@ -95,38 +92,32 @@ impl Loose {
 pub(crate) struct Normalised {
     /// Its nodal values.
     pub(crate) motion: Vec<f64>,
-    /// ∮ u·r of the displacements of nodes and of bubbles.
+    /// ∮ φ_j r and ∮ b_e r, two for each node and element: ∮ u·r of displacements.
     pub(crate) on_nodes: Vec<f64>,
     pub(crate) on_bubbles: Vec<f64>,
 }
 
-/// ∫ b r over an element, b its bubble (P_(p+1) - P_(p-1))/(2p+1).
-fn against_bubble(motion: &[f64], mesh: &Mesh, space: &Space, e: usize) -> [f64; 2] {
-    let basis = space.basis(e);
-    let p = basis.degree;
-    let rule = gauss_legendre(p + if mesh.is_line(e) { 2 } else { 12 });
-    let (mut phi, mut legendre, mut sum) = (vec![0.0; p + 1], vec![0.0; p + 2], [0.0; 2]);
-    for (&t, weight) in rule.points.iter().zip(&rule.weights) {
-        basis.evaluate(t, &mut phi);
-        legendre_p(t, &mut legendre);
-        let of_bubble = weight * mesh.speed(e, t) * (legendre[p + 1] - legendre[p - 1]) / (2 * p + 1) as f64;
-        for (node, phi) in space.element_nodes(e).zip(&phi) {
-            (0..2).for_each(|i| sum[i] += of_bubble * phi * motion[2 * node + i]);
-        }
-    }
-    sum
-}
-
-/// The length of the boundary that each node stands for: Gauss-Lobatto weights of its elements.
-fn node_lengths(mesh: &Mesh, space: &Space) -> Vec<f64> {
-    let mut lengths = vec![0.0; space.nodes()];
+/// ∮ φ_j r of the nodal basis and ∮ b_e r of the bubbles b = (P_(p+1) - P_(p-1))/(2p+1).
+fn weighted(motion: &[f64], mesh: &Mesh, space: &Space) -> [Vec<f64>; 2] {
+    let (mut on_nodes, mut on_bubbles) = (vec![0.0; 2 * space.nodes()], vec![0.0; 2 * mesh.len()]);
     for e in 0..mesh.len() {
         let basis = space.basis(e);
-        for ((node, &t), weight) in space.element_nodes(e).zip(&basis.nodes).zip(&basis.weights) {
-            lengths[node] += weight * mesh.speed(e, t);
+        let p = basis.degree;
+        let rule = gauss_legendre(p + if mesh.is_line(e) { 2 } else { 12 });
+        let (mut phi, mut legendre) = (vec![0.0; p + 1], vec![0.0; p + 2]);
+        for (&t, weight) in rule.points.iter().zip(&rule.weights) {
+            basis.evaluate(t, &mut phi);
+            legendre_p(t, &mut legendre);
+            let bubble = (legendre[p + 1] - legendre[p - 1]) / (2 * p + 1) as f64;
+            let ds = weight * mesh.speed(e, t);
+            for i in 0..2 {
+                let r: f64 = space.element_nodes(e).zip(&phi).map(|(node, phi)| phi * motion[2 * node + i]).sum();
+                on_bubbles[2 * e + i] += ds * bubble * r;
+                space.element_nodes(e).zip(&phi).for_each(|(node, phi)| on_nodes[2 * node + i] += ds * phi * r);
+            }
         }
     }
-    lengths
+    [on_nodes, on_bubbles]
 }
 
 /// Whether a motion, a nodal vector, changes no gap and slips nowhere against friction.
