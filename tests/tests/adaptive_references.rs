@@ -1,7 +1,6 @@
 //! The adaptive loop on problems whose energies are known: unknowns for an accuracy, from any first mesh; straight lines
 //! of the error; material and corners that are hard; the limits that a user sets.
 
-use std::sync::OnceLock;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
@@ -10,7 +9,7 @@ use steklov_model::mesh::layout::Layout;
 use steklov_model::run::adaptive_loop::{Progress, Reason, Run, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::Scene;
-use steklov_tests::{Judged, adapt, judged, line, parse, scene, step_below, summary};
+use steklov_tests::{Judged, adapt, judged, judged_in_steps, line, parse, scene, step_below, summary};
 
 /// Energy errors (|J - J_ref|/|J_ref|)^½ at which unknowns are counted.
 const LEVELS: [f64; 2] = [3e-4, 3e-6];
@@ -19,11 +18,9 @@ fn problem(name: &str) -> Judged {
     judged().into_iter().find(|p| p.name == name).expect("a problem of that name")
 }
 
-/// The problem solved down to 1e-6 from uniform elements, once for all tests.
+/// The problem solved down to 1e-6 from uniform elements.
 fn solved(name: &str) -> &'static Run<BoundaryElements> {
-    static RUNS: [OnceLock<Run<BoundaryElements>>; 6] = [const { OnceLock::new() }; 6];
-    let (problem, run) = judged().into_iter().zip(&RUNS).find(|(p, _)| p.name == name).expect("a problem of that name");
-    run.get_or_init(|| problem.solved())
+    &judged_in_steps(name).0
 }
 
 /// Steps from which the energy error stays below either level, and the unknowns of these steps.

@@ -6,7 +6,7 @@ use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::summary::ContactSummary;
 use steklov_problem::Scene;
-use steklov_tests::{Random, View, adapt, parse, random_case};
+use steklov_tests::{Random, View, adapt, full, parse, random_case};
 
 /// Oblique edges, of which one is in contact all along and one on a part in the middle.
 const TWO_FLOORS: &str = r#"
@@ -109,7 +109,7 @@ fn solved(text: &str, tolerance: f64) -> (Scene, Run<BoundaryElements>) {
 #[test]
 fn zones_on_oblique_edges_are_counted_at_tight_tolerances() {
     for (text, sizes) in [(TWO_FLOORS, [0.826, 0.0]), (TWO_ENDS, [0.365, 0.352])] {
-        for tolerance in [1e-3, 1e-5, 1e-6] {
+        for tolerance in [1e-3, 1e-6] {
             let (scene, run) = solved(text, tolerance);
             assert!(judge(&scene, &run), "the ends are located");
             let (_, contact) = told(&scene, &run).expect("contact");
@@ -145,8 +145,9 @@ sides.top.displacement = ["0","-0.005"]
 fn lengths_of_random_scenes_are_those_between_their_ends() {
     const SEED: u64 = 20_260_719;
     println!("seed {SEED}");
+    let scenes = if full() { 24 } else { 16 };
     let mut located = 0;
-    for number in 0..24 {
+    for number in 0..scenes {
         let case = random_case(&mut Random::new(SEED.wrapping_mul(1000).wrapping_add(number)));
         let mut scene = parse(&case.toml(&View::PLAIN), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
         if scene.contacts().next().is_none() {
@@ -159,7 +160,7 @@ fn lengths_of_random_scenes_are_those_between_their_ends() {
         located += usize::from(judge(&scene, &run));
     }
     println!("{located} located");
-    assert!(located >= 8, "{located} of 24 have located ends");
+    assert!(located >= 8, "{located} of {scenes} have located ends");
 }
 
 /// The first meshes have the end of contact beyond the zero of the friction bound, at s = 0.698, the solution before it: the end

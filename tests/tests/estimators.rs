@@ -12,8 +12,7 @@ use steklov_model::run::expect::check_expect;
 use steklov_model::{Answer, solve};
 use steklov_problem::{Multiplier, Refine, Scene};
 use steklov_stochastic::{Nodes, StochasticMesh, Variable};
-use steklov_study::reference::true_error;
-use steklov_tests::{adapt, finer, parse, scene, solved_in_steps};
+use steklov_tests::{Levels, adapt, parse, scene, solved_in_steps};
 
 const ASKED: &str = "method.estimators=true";
 
@@ -193,10 +192,11 @@ fn ratios(name: &str, overrides: &[&str]) -> [f64; 2] {
     let (run, displacements) = solved_in_steps(&one).unwrap_or_else(|e| panic!("{name}: {e}"));
     // the exact solution is that of any multipliers
     one.method.multiplier = Multiplier::Biorthogonal;
-    let fine = finer(&one, 800).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let least = run.step().estimate().relative;
+    let levels = Levels::new(&one, least, 800).unwrap_or_else(|e| panic!("{name}: {e}"));
     let ratio = |(step, displacement): (&Step<BoundaryElements>, &Vec<f64>)| {
         let residual: f64 = step.estimate().residuals.iter().map(Residual::total).sum();
-        let truth = true_error(&one, &step.layout.mesh, displacement, &fine).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let truth = levels.true_error(&one, step, displacement).unwrap_or_else(|e| panic!("{name}: {e}"));
         residual.sqrt() / truth.error
     };
     let ratios: Vec<f64> = run.progress.steps.iter().zip(&displacements).skip(1).map(ratio).collect();
@@ -247,9 +247,9 @@ fn the_estimator_of_random_input_follows_the_mean_error() {
         let outcome = one.outcome(germs).expect("an outcome");
         let run = adapt(&outcome).expect("it is solved");
         let mut fine = outcome.clone();
-        (fine.method.tolerance, fine.method.elements, fine.method.degree) = (Some(1e-3), None, 1);
-        let fine = finer(&fine, 900).expect("it is solved");
-        let truth = true_error(&outcome, &run.last.mesh, &run.last.displacement, &fine).expect("it is solved");
+        (fine.method.elements, fine.method.degree) = (None, 1);
+        let levels = Levels::new(&fine, run.step().estimate().relative, 900).expect("it is solved");
+        let truth = levels.true_error(&outcome, run.step(), &run.last.displacement).expect("it is solved");
         squared += weight * truth.error * truth.error;
     }
     let spatial = (told.value.powi(2) - told.parts[TRUNCATION].powi(2)).sqrt();

@@ -2,7 +2,7 @@
 
 use steklov_model::quantities::Quantity;
 use steklov_model::summary::Summary;
-use steklov_tests::{Random, on_grid, parse, summary};
+use steklov_tests::{Random, full, on_grid, parse, summary};
 
 use crate::grid_bars::{assert_near_errors, effectivities, shares};
 
@@ -53,7 +53,7 @@ fn random_inclusion(random: &mut Random, scene: usize) -> String {
 #[test]
 fn bars_in_a_medium_hold_against_boundary_elements() {
     let (mut random, mut found) = (Random::new(17), Vec::new());
-    for scene in 0..9 {
+    for scene in 0..if full() { 9 } else { 7 } {
         let text = random_inclusion(&mut random, scene);
         let around = on_reference(&text);
         for (n, fine, model) in [(8, 1, "fem-bem"), (16, 1, "fem-bem"), (32, 1, "fem-bem"), (8, 4, "msfem-bem")] {
@@ -82,7 +82,7 @@ fn bars_in_a_medium_hold_against_boundary_elements() {
 /// By boundary elements where their numbers have bars, else by a grid of small cells.
 fn on_reference(text: &str) -> Summary {
     if !text.contains("bounded") {
-        return summary(&parse(&format!("{text}[method]\nmodel = \"bem\"\ntolerance = 1e-6\n"), &[]).expect("a scene"));
+        return summary(&parse(&format!("{text}[method]\nmodel = \"bem\"\ntolerance = 1e-5\n"), &[]).expect("a scene"));
     }
     solved(&format!("{text}[grid]\ncoarse = [96, 96]\nfine = [1, 1]\n[method]\nmodel = \"fem-bem\"\n"))
 }

@@ -96,7 +96,8 @@ sides.upper.displacement = [0, -0.01]
 stochastic.quantities = [\"energy\", \"strain_energy\", \"contact.force.y\", \"contact.length\", \"contact.max_pressure\"]
 "
     );
-    let fine = solved(&text, &["method.tolerance=1e-4", "stochastic.degree=9"]);
+    // off by a tenth of the smallest bar
+    let fine = solved(&text, &["method.tolerance=3e-4", "stochastic.degree=9"]);
     for tolerance in ["1e-1", "3e-2", "1e-2", "3e-3"] {
         let own = solved(&text, &[&format!("method.tolerance={tolerance}"), "stochastic.degree=4"]);
         for path in ["energy", "strain_energy", "contact.force.y", "contact.length", "contact.max_pressure"] {

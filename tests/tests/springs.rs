@@ -6,7 +6,7 @@ use steklov_model::run::adaptive_loop::{Reason, Run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::Summary;
 use steklov_study::reference::Reference;
-use steklov_tests::{Random, adapt, solved_in_steps};
+use steklov_tests::{Random, adapt, full, solved_in_steps};
 
 use crate::on_springs::{block, close, force, scene, solved};
 
@@ -235,7 +235,9 @@ fn the_estimate_is_near_the_true_error() {
         };
         // by the hp strategy, whatever that of the scene is
         let reference = Reference::new(&refined("hp"), &never, &mut |_, _| Ok(())).unwrap_or_else(|e| panic!("{e}"));
-        for refine in ["hp", "uniform-h", "uniform-p"] {
+        // uniform meshes have the same ratios on soft springs as on those that are alike the body, and on stiff as on stiffer ones
+        let strategies = if ["soft", "stiff", "axis"].contains(&name) && !full() { 1 } else { 3 };
+        for refine in &["hp", "uniform-h", "uniform-p"][..strategies] {
             let scene = refined(refine);
             let (run, displacements) = solved_in_steps(&scene).unwrap_or_else(|e| panic!("{e}"));
             let mut told = Vec::new();
@@ -408,7 +410,7 @@ fn random_blocks_on_springs() {
                  sides.top.traction = [\"{px}\", \"{py}*x\"]\nmethod.tolerance = {tolerance:e}\n"
             )
         };
-        let (run, finer) = (solved(&text(1e-3)), solved(&text(1e-5)));
+        let (run, finer) = (solved(&text(1e-3)), solved(&text(1e-4)));
         let (e, estimate) = (run.last.energies, run.step().estimate());
         let off = (estimate.energy - finer.step().estimate().energy).abs();
         println!(

@@ -123,9 +123,12 @@ fn carried(
 #[test]
 fn steps_of_adaptive_runs_take_at_most_fifteen_iterations_from_the_last_answer() {
     let (mut interior, mut newtons, mut cold, mut warm) = (0, 0, 0, 0);
-    for (name, mut scene) in scenes() {
+    // the wedge turned and the wedge by points have the steps of the wedge
+    for (name, scene) in scenes().filter(|(name, _)| !name.starts_with("18") && !name.starts_with("75")) {
+        // of random input the mean
+        let mut scene = Scene { random: None, ..scene };
         scene.method.tolerance = Some(1e-5);
-        scene.method.max_dofs = Some(500);
+        scene.method.max_dofs = Some(400);
         let mut last: Option<(ContactBoundary, Solution)> = None;
         for (step, here) in condensed_in_steps(&scene).into_iter().enumerate() {
             let what = format!("{name} step {step}");

@@ -2,7 +2,10 @@
 //! hp meshes exponentially. Re-entrant corners, held corners and ends of contact are in `adaptive_rates.rs` and
 //! `adaptive_references.rs`; here are points where conditions change on a straight side, and crack tips.
 
+use steklov_bem_operators::PairCache;
+use steklov_model::mesh::layout::Layout;
 use steklov_model::run::adaptive_loop::Reason;
+use steklov_model::solve::one_mesh::solve;
 use steklov_problem::{Refine, Scene};
 use steklov_tests::{adapt, line, parse};
 
@@ -35,8 +38,12 @@ fn uniform_slope(scene: &Scene, energy: f64, degree: usize, elements: &[usize]) 
         .map(|&n| {
             let mut scene = scene.clone();
             (scene.method.refine, scene.method.elements, scene.method.degree) = (Refine::None, Some(n), degree);
-            let run = adapt(&scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
-            ((run.last.energies.total - energy) / energy).abs().sqrt()
+            let Layout { subdivision, cuts, .. } = Layout::first(&scene);
+            let mesh = subdivision.mesh(&scene.problem.outline).expect("a mesh");
+            // without an estimate
+            let solved = solve(&scene, (mesh, cuts.as_ref()), false, &mut PairCache::default(), &mut |_| Ok(()));
+            let (solved, ..) = solved.unwrap_or_else(|e| panic!("{}: {e}", scene.title));
+            ((solved.energies.total - energy) / energy).abs().sqrt()
         })
         .collect();
     let logs = |v: &[f64]| v.iter().map(|x| x.ln()).collect::<Vec<f64>>();

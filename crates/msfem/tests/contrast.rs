@@ -3,13 +3,18 @@
 use crate::common::{Cantilever, close, kind, number, plate, reference};
 use steklov_msfem::{Basis, CoarseMesh, crossing_contrast};
 
+/// Every length of the periods in one of the directions, or with `STEKLOV_TESTS=full` in both.
 #[test]
 fn laminates_resonate_as_published() {
     let data = reference("laminate");
     let tolerance = number(&data["tol_rel"]);
     let mut checked = 0;
+    let full = std::env::var("STEKLOV_TESTS").is_ok_and(|value| value == "full");
     for (name, diagonal) in [("straight", false), ("diagonal", true)] {
         for periods in [4, 8, 16, 32] {
+            if !full && [8, 32].contains(&periods) != diagonal {
+                continue;
+            }
             let period = 256 / periods;
             let layer = |c: usize| {
                 let (i, j) = (c / 256, c % 256);
@@ -30,7 +35,8 @@ fn laminates_resonate_as_published() {
             }
         }
     }
-    assert_eq!(checked, data["data"].as_object().unwrap().len());
+    let all = data["data"].as_object().unwrap().len();
+    assert_eq!(checked, if full { all } else { all / 2 });
 }
 
 #[test]

@@ -179,7 +179,7 @@ fn monte_carlo(square: &Square, count: usize) -> Accumulator {
 fn samples_agree_with_gauss_points_within_their_confidence() {
     let square = square(15, [0.3, -1.0]);
     let wanted = by_cells(&square);
-    let sums = monte_carlo(&square, 100_000);
+    let sums = monte_carlo(&square, 25_000);
     let (mean, error) = (sums.moments().mean, sums.standard_errors().mean);
     for c in 0..2 {
         // 99.9 % of a normal variable
