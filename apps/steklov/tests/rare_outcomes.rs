@@ -49,10 +49,15 @@ fn rare_contact_is_resolved_or_told() {
     for (germs, corners) in [(1, &[0.4, 0.08, 0.002][..]), (2, &[1.26, 0.283, 0.0894]), (3, &[2.1345, 0.363])] {
         for &t in corners {
             let (gap, [probability, exact]) = corner(germs, t);
+            // to the default tolerance where it is reached, and where it is not: 10,000 outcomes
+            let corrected = match [0.4, 0.0894].contains(&t) {
+                true => "method = \"corrected\"\n",
+                false => "method = \"corrected\"\ntolerance = 0.05\n",
+            };
             for (name, method) in [
                 ("auto", ""),
                 ("galerkin", "degree = 3\n"),
-                ("corrected", "method = \"corrected\"\n"),
+                ("corrected", corrected),
                 ("collocation", "method = \"collocation\"\ndegree = 2\nelements = 2\n"),
                 ("sparse", "method = \"sparse\"\n"),
                 ("monte-carlo", "method = \"monte-carlo\"\nsamples = 1000\n"),
@@ -173,7 +178,7 @@ fn gaps_that_jump_at_random_are_resolved_or_told() {
             (2, format!("if(a + b > {start:?}, 0.09, 0.11)"), oblique),
         ] {
             for method in ["galerkin", "collocation", "sparse", "monte-carlo"] {
-                place.write("gap.toml", column(&gap, germs, &format!("method = \"{method}\"\nsamples = 1000\n")));
+                place.write("gap.toml", column(&gap, germs, &format!("method = \"{method}\"\nsamples = 300\n")));
                 let o = place.json(0, &["gap.toml"]);
                 let (mean, error, doubt) = told(&o, "contact.force.y");
                 let off = (mean - exact).abs();

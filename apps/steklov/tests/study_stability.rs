@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 use steklov_document::Source;
 use steklov_study::Watch;
 use steklov_study::stability::{
-    Critical, Incompressible, POISSON, Point, SingleLayer, Stabilisation, Stability, Truth, WithGamma, report,
-    stabilisation,
+    Critical, Incompressible, POISSON, Point, SingleLayer, Stabilisation, Stability, Truth, WithGamma, incompressible,
+    read_beside, report, stabilisation,
 };
 
 const FILES: &str = "incompressible-energy.png incompressible-energy.svg incompressible-error.png \
@@ -42,6 +42,26 @@ fn rounding(poisson: f64) -> f64 {
     1e-12 + 5e-15 / (1.0 - 2.0 * poisson)
 }
 
+/// The JSON object of the study of `scene.toml` with `beside.json`: of the command, or of the part about Poisson's ratios alone.
+fn studied(place: &Place, by_command: bool) -> Value {
+    if by_command {
+        let arguments =
+            ["study", "scene.toml", "--what=stability", "--json", "--quiet", "--force", "--beside=beside.json"];
+        return place.run(arguments).demand(0).json();
+    }
+    let scene = steklov_document::read(&place.path("scene.toml"), &[]).unwrap();
+    let study = Stability {
+        scene: &scene,
+        source: &Source::default(),
+        incompressible: incompressible(&scene, &mut Watch::new(&AtomicUsize::new(0), &mut |_, _| {})).unwrap(),
+        beside: read_beside(&place.path("beside.json")).unwrap(),
+        single_layer: SingleLayer::default(),
+        stabilisation: None,
+        interrupted: false,
+    };
+    report(&study).json()
+}
+
 /// J = -20² L/(24 E'), E' = E/(1-ν²) in plane strain and E in plane stress; quadratic, so degree 2 is exact. Errors are by
 /// their definitions, also those of the results beside.
 #[test]
@@ -59,9 +79,7 @@ fn energies_of_pure_bending_at_every_ratio() {
             })
             .collect();
         place.write("beside.json", json!(beside).to_string());
-        let arguments =
-            ["study", "scene.toml", "--what=stability", "--json", "--quiet", "--force", "--beside=beside.json"];
-        let o = place.run(arguments).demand(0).json();
+        let o = studied(&place, plane == "strain");
         assert_eq!(o["note"].is_null(), plane == "strain", "{}", o["note"]);
         assert!(o["stabilisation"].is_null(), "without contact");
         let all = &o["incompressible"];

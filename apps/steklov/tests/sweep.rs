@@ -36,7 +36,7 @@ fn parts_and_resumed_sweeps_are_one_run_to_the_byte() {
 #[test]
 fn a_killed_sweep_goes_on_and_a_stopped_one_is_stored() {
     let place = Place::new();
-    let many = ["sweep", "block.toml", "--vary", "parameters.F=0.1:0.6:80", "--set", "method.refine=\"hp\""];
+    let many = ["sweep", "block.toml", "--vary", "parameters.F=0.1:0.6:40", "--set", "method.refine=\"hp\""];
     let start = |out: &str| {
         let mut command = place.command();
         command.args(many).args(["--out", out]);

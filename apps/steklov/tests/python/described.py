@@ -3,6 +3,7 @@
 Every array has a row with its unit and as many axes, and every row is that of an array.
 """
 
+import functools
 import re
 import sys
 
@@ -64,12 +65,19 @@ def arrays(file):
 
 with open(sys.argv[1], encoding="utf-8") as table:
     described = list(rows(table.read().splitlines()))
+
+
+@functools.cache
+def rows_of(path):
+    return [row for row in described if row[1].fullmatch(path)]
+
+
 wrong, used, count = set(), set(), 0
 for name in sys.argv[2:]:
     with h5py.File(name) as file:
         for path, axes, unit in arrays(file):
             count += 1
-            own = [row for row in described if row[1].fullmatch(path)]
+            own = rows_of(path)
             if len(own) != 1:
                 wrong.add(f"{path} of {name} has {len(own)} rows")
             for row in own:
