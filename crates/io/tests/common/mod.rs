@@ -4,6 +4,8 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use faer::Mat;
+use hdf5::OpenMode;
+use hdf5::plist::file_access::{FileAccessBuilder, LibraryVersion};
 use sprs::CsMat;
 use steklov_io::*;
 
@@ -170,6 +172,11 @@ fn damage(group: &Group, name: &str, damage: Damage) -> bool {
     true
 }
 
+/// Without a lock, which processes that other tests start meanwhile would inherit and keep.
+fn unlocked(access: &mut FileAccessBuilder) -> &mut FileAccessBuilder {
+    access.libver_bounds(LibraryVersion::V110, LibraryVersion::V110).file_locking(false)
+}
+
 /// Stores `value` and changes each of its datasets in turn, in each way: reading must refuse the file with an error
 /// that names it and the group. `free` are the datasets of which an entry may have any finite value, or that may be any
 /// text. Returns the number of damaged files.
@@ -187,7 +194,8 @@ pub fn check_damage_is_refused<T: Persist>(value: &T, free: &[&str]) -> usize {
                 continue;
             }
             std::fs::write(&path_of_damaged, &sound).unwrap();
-            let damaged = hdf5::File::open_rw(&path_of_damaged).unwrap();
+            let damaged =
+                hdf5::File::with_options().with_fapl(unlocked).open_as(&path_of_damaged, OpenMode::ReadWrite).unwrap();
             let changed = damage(&damaged.group(&format!("value/{parent}")).unwrap(), name, kind);
             damaged.close().unwrap();
             if !changed {
